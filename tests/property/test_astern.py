@@ -105,8 +105,9 @@ def test_rooms_that_ask_a_reverse_gear_turn_it_backwards(truck):
     gear = found.directions.index("reverse")
     at = placed(found, curve=np.full(len(of.speed), gear), speed=of.speed)
     swung = points._swinging(truck, at, truck.quick, laid, how=growth).running.growth[..., 0]
-    turned = turn(laid.directions, phases=truck.phases, crosses=truck.line.crosses)
     pace, torque = np.nan_to_num(-of.speed), np.nan_to_num(of.torque)
+    phases = truck.line.twisted(truck.phases, torque)
+    turned = turn(laid.directions, phases=phases, crosses=truck.line.crosses)
     known = np.isfinite(of.torque)
     right, other = (
         growth(truck.quick, truck.quick.swing(turned), speed=k * pace, torque=torque)[known]

@@ -236,7 +236,7 @@ def test_a_bracket_gets_what_its_bearing_carries_on_rubber():
         directions /= np.linalg.norm(directions, axis=-1)[:, None]
         return np.abs(directions @ wave).max()
 
-    assert shaken(rigid) == pytest.approx(225, abs=1)
+    assert shaken(rigid) == pytest.approx(227, abs=1)
     peak = response.worst["peak"].running
     assert shaken(worst) == pytest.approx(peak.orders[4, 0, 0], rel=2e-3)
     assert shaken(worst) > 8 * shaken(rigid)

@@ -105,7 +105,7 @@ def test_a_verdict_that_hangs_on_it_is_told(tmp_path, maximum, says):
     done = CliRunner().invoke(cli, ["check", str(COLLECTOR), "--limits", str(limits)])
     assert done.exit_code in (0, 1), done.output
     told = " ".join(done.output.split())
-    assert ("where torque moves them" in told) == says
+    assert ("the bearings where it moves them" in told) == says
     if says:
         assert "Joint angle, joint 2 of line main, would be 2.071" in told
         assert "for 1.886 deg in jounce: fail" in told

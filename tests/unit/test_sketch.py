@@ -17,13 +17,16 @@ from cardan.quantity.response import Response, respond
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
-def line(name: str, *, stiff: bool = False) -> Response:
-    """A line of an example; `stiff`, with an axle that no torque winds up."""
+def line(name: str, *, stiff: bool = False, straight: bool = False) -> Response:
+    """A line of an example; an axle that no torque winds up, shafts that none twists."""
     application = files.read(EXAMPLES / f"{name}.yaml")
     if stiff:
         suspension = replace(application.suspension, windup_stiffness=1e12)
         application = replace(application, suspension=suspension)
     installed = next(i for i in application.lines if i.line.joint_count > 2)
+    if straight:
+        shafts = tuple(replace(s, tube_length=1e-9) for s in installed.line.shafts)
+        installed = replace(installed, line=replace(installed.line, shafts=shafts))
     return respond(application, demand(resolve(application, installed)))
 
 
@@ -43,16 +46,19 @@ def both(r: Response, count: int = 60):
 
 @pytest.mark.parametrize("name", ["refuse-collector-6x2", "medium-truck-4x2", "tandem-6x4"])
 def test_it_differs_by_what_a_parabola_leaves_out(name):
-    """Wind-up is 4 deg at most, half of that from the middle: (0.035 rad)^3 of a few."""
+    """Wind-up is 4 deg at most, half of that from the middle: (0.035 rad)^3 of a few.
+
+    And where torque is half the largest, 3/8 of twice its twist squared: (0.05 rad)^2.
+    """
     sketched, whole = both(line(name))
     for force in points.FORCES:
         near, right = (getattr(of, force) for of in (sketched, whole))
         assert (np.isnan(near) == np.isnan(right)).all()
-        assert np.nanmax(np.abs(near - right)) < 3e-4 * np.nanmax(right)
+        assert np.nanmax(np.abs(near - right)) < 1e-3 * np.nanmax(right)
 
 
 def test_nothing_is_left_out_where_nothing_winds_up():
-    sketched, whole = both(line("refuse-collector-6x2", stiff=True))
+    sketched, whole = both(line("refuse-collector-6x2", stiff=True, straight=True))
     for force in points.FORCES:
         near, right = (getattr(of, force) for of in (sketched, whole))
         assert np.nanmax(np.abs(near - right)) < 1e-8 * np.nanmax(right)

@@ -1375,8 +1375,11 @@ def one_state(truck, line, state, whirl):
     side, top = view_angles(d)
     place = [atan2(v, h) % (2 * pi) for v, h in zip(side, top, strict=True)]
     inertias = [s.polar_inertia for s in line.shafts]
-    ratios, carried, moments = turned(d, phases)
+    ratios, carried, _ = turned(d, phases)
     shaken = excitation(ratios, w, inertias)
+    # What torque makes, it makes of yokes that it has turned: T L / G J, the rear one back.
+    back = [T * s.length * 2 * (1 + s.tube.nu) / (s.tube.E * 2 * s.tube.I) for s in line.shafts]
+    twisted, _, moments = turned(d, np.subtract(phases, back))
 
     pull = -g if truck.gravity else 0.0
     weight = np.array([[[0, 0, m * pull] for m in end_masses(s)] for s in line.shafts])
@@ -1392,7 +1395,7 @@ def one_state(truck, line, state, whirl):
     slip = abs(T) * spline.friction / spline.radius
     # What speeds the shafts up, as power over the gearbox's speed, is not handed on.
     sped = np.array(
-        [J * w**2 * derivative(r) * r for J, r in zip(inertias, ratios[1:-1], strict=True)]
+        [J * w**2 * derivative(r) * r for J, r in zip(inertias, twisted[1:-1], strict=True)]
     )
     handed = T - np.concatenate([np.zeros((1, N)), np.cumsum(sped, axis=0)])
     pushed = [equilibrium(line, points, d, at_ends, handed[:, :, None] * moments, f)[0]

@@ -23,6 +23,9 @@ WHEEL = 1.0
 SMALL = {"mass": 1e-4, "transverse": 1e-6, "polar": 1e-6}
 """kg, kg m²: crosses, the gearbox flange, the sliding end of the spline."""
 
+DAMPER = 2e-4
+"""s, of a torsion spring: what a shaft swings with at the start is gone at once."""
+
 RUN_IN = 4
 """Half turns that are left out: the fastest of what dies away is gone then."""
 
@@ -59,17 +62,21 @@ class Swinging:
     only there, that is rubber of this loss. The first bearing may hang in a bracket: kg, the
     N/m that hold it along x, y, z, and its loss. Transmission tail and axle may be a mass that
     moves across its flange on springs: kg, N/m (up, level), loss; in `Steady` they come behind
-    the bearings.
+    the bearings. Between its yokes each shaft may be a torsion spring, N m/rad.
     """
 
     def __init__(
         self, points: Any, directions: Any, phases: Any, shafts: list[Rigid], overhangs: Any, *,
         stiffness: Any, loss: float, torque: float, speed: float, bracket: Any = None,
-        tail: Any = None, axle: Any = None,
+        tail: Any = None, axle: Any = None, torsion: Any = None,
     ) -> None:  # fmt: skip
         self.speed = speed
-        d = np.asarray(directions)
-        self._line(np.asarray(points), d, phases, shafts, speed=speed, tail=tail, axle=axle)
+        d, line = np.asarray(directions), {"tail": tail, "axle": axle, "torsion": torsion}
+        self._turned = None
+        if torsion is not None:  # it starts as it would stand still under its torque
+            self._turned = torque / np.asarray(torsion)
+            phases = phases - self._turned
+        self._line(np.asarray(points), d, phases, shafts, speed=speed, **line)
         self.mbs.CreateTorque(itemNumber=self.flange, loadVector=list(torque * d[0]))
         self.mbs.CreateTorque(itemNumber=self.pinion, loadVector=list(-torque * d[-1]))
         self._springs, self._axes = [], []
@@ -106,7 +113,7 @@ class Swinging:
 
     def _line(
         self, P: np.ndarray, d: np.ndarray, phases: Any, shafts: list[Rigid], *, speed: float,
-        tail: Any = None, axle: Any = None,
+        tail: Any = None, axle: Any = None, torsion: Any = None,
     ) -> None:  # fmt: skip
         """Add what turns, from the gearbox flange to the pinion, and nothing that holds it."""
         import exudyn as exu
@@ -118,9 +125,10 @@ class Swinging:
         spins, crosses = pace * spins[:, None] * d, pace * crosses
         self.ground = self.mbs.CreateGround()
         self.flange = flange = self._body(d[0], P[0], spins[0], **SMALL)
+        middles = [P[k - 1] + b.centre * d[k] for k, b in enumerate(shafts, 1)]
         self.tubes = tubes = [
             self._body(
-                d[k], P[k - 1] + b.centre * d[k], spins[k],
+                d[k], middles[k - 1], spins[k],
                 mass=b.mass, transverse=b.transverse, polar=b.polar,
             )
             for k, b in enumerate(shafts, 1)
@@ -132,7 +140,16 @@ class Swinging:
         self._ends = (ends[0], P[0], d[0], tail), (ends[1], P[-1], d[-1], axle)
         self._hinge(ends[0], flange, P[0], d[0])
         self._hinge(ends[1], pinion, P[-1], d[-1])
-        ahead, behind = [flange, *tubes], [*tubes[:-1], sliding, pinion]
+        yokes = [*tubes[:-1], sliding]
+        if torsion is not None:
+            yokes = [
+                self._twisting(
+                    body, P[k] - place, P[k], d[k + 1], spins[k + 1],
+                    stiffness=torsion[k], welded=self._turned[k],
+                )
+                for k, (body, place) in enumerate(zip(yokes, [*middles[:-1], P[-2]], strict=True))
+            ]  # fmt: skip
+        ahead, behind = [flange, *tubes], [*yokes, pinion]
         for k, (driving, driven) in enumerate(pins):
             cross = self._body(d[k], P[k], crosses[k], **SMALL)
             self._hinge(ahead[k], cross, P[k], driving)
@@ -143,6 +160,24 @@ class Swinging:
         self._spins = spins
         self._yoke = pins[0][0], np.cross(d[0], pins[0][0])
         self._flange = self._watched("Body", "RotationMatrix", bodyNumber=flange)
+
+    def _twisting(
+        self, body: Any, inside: Any, at: Any, along: Any, spin: Any, *, stiffness: float,
+        welded: float,
+    ) -> Any:  # fmt: skip
+        """Return a yoke in front of a body, which springs would turn to where it was welded.
+
+        Two of them, at 1 m on either side of the shaft.
+        """
+        yoke = self._body(along, at, spin, **SMALL)
+        self._hinge(yoke, body, at, along)
+        for side in (1.0, -1.0):
+            arm = side * across(along)[0]
+            self._spring(
+                [(yoke, arm), (body, inside + arm)], np.cross(along, arm),
+                stiffness / 2, DAMPER * stiffness / 2, offset=welded,
+            )  # fmt: skip
+        return yoke
 
     def _hung(self, k: int, over: float) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:
         """Where bearing k from 1 sits, in space and in its shaft, and its two ways, up first."""
@@ -177,7 +212,9 @@ class Swinging:
             itemNumbers=[first, second], position=list(at), axis=list(axis)
         )
 
-    def _spring(self, ends: Any, axis: Any, stiffness: float, damping: float) -> Any:
+    def _spring(
+        self, ends: Any, axis: Any, stiffness: float, damping: float, *, offset: float = 0.0
+    ) -> Any:
         """Add a spring and a damper between points of two bodies, along an axis of the first."""
         from exudyn.utilities import LinearSpringDamper, MarkerBodyRigid
 
@@ -187,7 +224,11 @@ class Swinging:
         ]
         return self.mbs.AddObject(
             LinearSpringDamper(
-                markerNumbers=markers, stiffness=stiffness, damping=damping, axisMarker0=list(axis)
+                markerNumbers=markers,
+                stiffness=stiffness,
+                damping=damping,
+                axisMarker0=list(axis),
+                offset=offset,
             )
         )
 
@@ -208,9 +249,11 @@ class Swinging:
         settings.timeIntegration.numberOfSteps = steps * halves
         settings.timeIntegration.endTime = np.pi / self.speed * halves
         settings.timeIntegration.adaptiveStep = False
-        settings.timeIntegration.generalizedAlpha.spectralRadius = 1
-        settings.timeIntegration.generalizedAlpha.useNewmark = True
-        settings.timeIntegration.generalizedAlpha.useIndex2Constraints = True
+        # Yokes on torsion springs would ring for ever by the trapezoidal rule.
+        alpha = settings.timeIntegration.generalizedAlpha
+        alpha.spectralRadius = 1 if self._turned is None else 0.8
+        alpha.useNewmark = self._turned is None
+        alpha.useIndex2Constraints = self._turned is None
         settings.timeIntegration.newton.absoluteTolerance = 1e-8
         settings.linearSolver.solverType = self.exu.LinearSolverType.EigenSparse
         settings.solution.file.write = False

@@ -68,7 +68,7 @@ def test_a_spring_carries_what_its_joint_hands_it_and_what_shakes_its_mass():
         where, SOFT, SOFT.phases, torque=torque, speed=speed, held=held, cut=cut
     ).waves[:, 0]
     moments = of(THREE, where, torque=torque).joint_moments
-    swing = held.swing(turn(where.directions, phases=np.array(SOFT.phases), samples=16))
+    swing = held.swing(turn(where.directions, phases=SOFT.twisted(SOFT.phases, torque), samples=16))
     _, second, _ = held.balanced(
         [held.pushed(moments.order(k)) for k in (0, 2, 4)], swing, speed=speed, torque=torque
     )

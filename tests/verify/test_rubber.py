@@ -67,9 +67,8 @@ PUBLISHED = {"side": [3.0, 1.0, 4.5, 2.0], "top": [0.0, 1.5, -0.8, 0.6]}
 
 
 def of(line: Line, where: Layout, *, torque=1000.0):
-    return loads(
-        where, turn(where.directions, phases=np.array(line.phases), samples=16), line, torque=torque
-    )
+    phases = line.twisted(line.phases, torque)
+    return loads(where, turn(where.directions, phases=phases, samples=16), line, torque=torque)
 
 
 def shaken(line, where, speeds, *, torque=0.0, order=2, sines=1, stiffness=RUBBER, loss=0.1):
@@ -120,7 +119,7 @@ def test_unbalance_at_a_crawl_is_that_of_rigid_bearings():
 def test_thrust_is_the_worst_of_none_and_both_ways():
     where = laid(THREE, **BENT)
     phases = np.array(THREE.phases)
-    still = turn(where.directions, phases=phases, samples=16)
+    still = turn(where.directions, phases=THREE.twisted(phases, 2000.0), samples=16)
     found = running(where, THREE, phases, torque=2000.0, speed=0.0, slip=5000.0)
     each = [
         loads(where, still, THREE, torque=2000.0, thrust=thrust).bearing_forces.static
@@ -248,7 +247,8 @@ def test_the_swing_is_how_order_two_of_the_moments_follows_the_shafts():
     straight = {"side": np.multiply(BENT["side"], 0.01), "top": np.multiply(BENT["top"], 0.01)}
     where = laid(THREE, **straight)
     on = suspended(where, THREE, stiffness=RUBBER, sines=0)
-    swing = on.swing(turn(where.directions, phases=np.array(THREE.phases), samples=16))
+    phases = THREE.twisted(THREE.phases, 1000.0)
+    swing = on.swing(turn(where.directions, phases=phases, samples=16))
     step, columns = 1e-5, []
     for motion in np.eye(on.mass.shape[-1]):
         joints = np.concatenate([on.front @ motion, (on.rear @ motion)[-1:]])

@@ -93,7 +93,8 @@ def running(
     Parameters
     ----------
     layout, line, phases
-        Where the line runs before its rubber gives, (..., n, 3); its parts; (..., n-1) rad.
+        Where the line runs before its rubber gives, (..., n, 3); its parts; their yoke phases
+        (..., n-1) rad without torque.
     torque, speed : (...) N m, rad/s
         Of the gearbox output, signed both: below 0 it turns backwards.
     held
@@ -323,8 +324,9 @@ def _turning(
     speed: FloatArray,
     inertias: FloatArray | None,
 ) -> tuple[Turn, Loads]:
-    """Return a line's turn, and what it carries on rigid bearings."""
-    turned = turn(layout.directions, phases=phases, crosses=line.crosses, samples=16)
+    """Return a line's turn as torque twists its shafts, and what it carries on rigid bearings."""
+    under = line.twisted(phases, torque)
+    turned = turn(layout.directions, phases=under, crosses=line.crosses, samples=16)
     # Who turns uniformly, engine or wheels, makes a difference of the angle squared.
     return turned, loads(
         layout, turned, line, torque=torque, inertias=inertias, speed=speed, highest=ORDERS[-1]

@@ -8,7 +8,7 @@ is left to do at a point is the algebra of a few coordinates (`cardan.loads.shak
 Left out is the shafts' inertia, whose share is small where resonance is.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import prod
 from typing import Any, TypeAlias
 
@@ -92,6 +92,8 @@ class Sketch:
         How order 2 of that follows the coordinates.
     borne : (B, ...) N
         Orders 0 and 2 of 1 N m on the bearings, less what the coordinates take at rest.
+    twisted
+        What order 2 of the three, in this order, gains for each N m more: it twists the shafts.
     weight, pulled : (B, ...) N
         On the bearings, of weight and of 1 N of thrust.
     rows : (B, N, ...)
@@ -115,6 +117,7 @@ class Sketch:
     pushes: tuple[_Bent, _Bent]
     swing: _Bent
     borne: tuple[_Bent, _Bent]
+    twisted: tuple[_Bent, _Bent, _Bent]
     weight: _Bent
     pulled: _Bent
     rows: FloatArray
@@ -162,6 +165,11 @@ class Sketch:
         bearings = len(self.rows) // 3
         static, dynamic, peak, reach = np.split(sizes, np.arange(1, 4) * bearings, axis=-1)
         return Sizes(static=static, dynamic=dynamic, peak=peak), Reach(reach=reach)
+
+    @property
+    def order_2(self) -> Iterator[tuple[_Bent, _Bent]]:
+        """Order 2 of pushes, swing and what is borne; each without torque, and what it gains."""
+        return zip((self.pushes[1], self.swing, self.borne[1]), self.twisted, strict=True)
 
     @property
     def _told(self) -> int:
@@ -221,9 +229,10 @@ class Sketch:
             return (more[1] * x + more[0]) * x + found if more else found
 
         wave = np.exp(2j * turned)
-        f0, f2, r0, r2, swing = (
-            torque * bent(v) for v in (*self.pushes, *self.borne, self.swing)
-        )  # fmt: skip
+        f0, r0 = (torque * bent(v[0]) for v in (self.pushes, self.borne))
+        f2, swing, r2 = (
+            torque * (bent(still) + torque * bent(more)) for still, more in self.order_2
+        )
         on, N = self.on, len(f0)
         squares, shapes, decay = on.decaying(0.0)
         modal = on.mass @ shapes
@@ -262,10 +271,12 @@ class Sketch:
             return (more[1] * x + more[0]) * x + found if more else found
 
         line = self.on.first.some(some, T.ndim)
-        f0, f2, r0, r2 = (T * bent(v) for v in (*self.pushes, *self.borne))
-        q0, q2, q4 = line.balanced(
-            f0, f2, None, (T * bent(self.swing, 2), None), speed=omega, torque=T
+        f0, r0 = (T * bent(v[0]) for v in (self.pushes, self.borne))
+        f2, swing, r2 = (
+            T * (bent(still, of) + T * bent(more, of))
+            for (still, more), of in zip(self.order_2, (1, 2, 1), strict=True)
         )
+        q0, q2, q4 = line.balanced(f0, f2, None, (swing, None), speed=omega, torque=T)
         rows, springs = own(self.rows, 2), own(self.springs, 1)
         firm = springs * (1 + 1j * np.sign(omega) * own(self.loss, 1))
         weight, pulled = bent(self.weight), bent(self.pulled)
@@ -296,6 +307,7 @@ def sketch(
     *,
     least: FloatArray,
     largest: FloatArray,
+    most: ArrayLike,
     gravity: float = 0.0,
     balanced_at: ArrayLike | None = None,
     facing: Facing | None = None,
@@ -303,14 +315,18 @@ def sketch(
     """Return a line for all points between two pitches of its axle.
 
     Where it runs at each of `PITCHES` is on the first axis of `layouts` (3, ..., S, n, 3), of
-    one where no torque moves it; what it is `facing` there. Other arguments are those of
-    `cardan.loads.running.running`.
+    one where no torque moves it; what it is `facing` there. The `most` torque of the points,
+    (..., S) N m, twists its shafts either way, and others in proportion. Other arguments are
+    those of `cardan.loads.running.running`.
     """
-    turned = turn(layouts.directions, phases=phases, crosses=line.crosses, samples=16)
-    one = loads(layouts, turned, line, torque=1.0)
-    moments, still = ((c.order(0), c.order(2)) for c in (one.joint_moments, one.bearing_forces))
-    pushes = [on.pushed(m) for m in moments]
-    taken = [on.borne(p) for p in pushes]
+    most = np.where(np.asarray(most) > 0, most, 1.0)
+    ahead, back = (_of_one(on, layouts, line, line.twisted(phases, T)) for T in (most, -most))
+    # Between the two it goes straight, and where there is no torque nothing is left of it.
+    f0, f2, r0, r2, swing = ((a + b) / 2 for a, b in zip(ahead, back, strict=True))
+    gains = [
+        (a - b) / (2 * most.reshape(*most.shape, *(1,) * of))
+        for a, b, of in zip(ahead, back, (1, 1, 1, 1, 2), strict=True)
+    ]
     weight, pulled = resting(layouts, line, gravity=gravity)
     if facing is None:
         free = drawn = np.empty((1, *layouts.points.shape[1:-2], 0))
@@ -325,12 +341,10 @@ def sketch(
         on=on,
         least=least,
         largest=largest,
-        pushes=(_parabola(pushes[0].real), _parabola(pushes[1])),
-        swing=_parabola(on.swing(turned), of=2),
-        borne=(
-            _parabola(_across(on, (still[0] - taken[0]).real)),
-            _parabola(_across(on, still[1] - taken[1])),
-        ),
+        pushes=(_parabola(f0.real), _parabola(f2)),
+        swing=_parabola(swing, of=2),
+        borne=(_parabola(r0.real), _parabola(r2)),
+        twisted=(_parabola(gains[1]), _parabola(gains[4], of=2), _parabola(gains[3])),
         weight=_parabola(_across(on, weight)),
         pulled=_parabola(_across(on, pulled)),
         rows=leading(on.rows, of=2),
@@ -343,6 +357,17 @@ def sketch(
         nearer=leading(nearer, of=2),
         drawn=_parabola(drawn),
     )  # fmt: skip
+
+
+def _of_one(on: Suspended, layouts: Layout, line: Line, phases: FloatArray) -> list[Any]:
+    """Return what 1 N m does, orders 0 and 2 on coordinates and bearings, and their swing."""
+    turned = turn(layouts.directions, phases=phases, crosses=line.crosses, samples=16)
+    one = loads(layouts, turned, line, torque=1.0)
+    moments, still = ((c.order(0), c.order(2)) for c in (one.joint_moments, one.bearing_forces))
+    pushes = [on.pushed(m) for m in moments]
+    # Less what the coordinates take at rest.
+    borne = [_across(on, s - on.borne(p)) for s, p in zip(still, pushes, strict=True)]
+    return [*pushes, *borne, on.swing(turned)]
 
 
 def _across(on: Suspended, force: Any) -> Any:

@@ -3,6 +3,9 @@
 from math import isnan, pi
 from typing import Literal, TypeAlias
 
+import numpy as np
+
+from cardan.base.arrays import ArrayLike, FloatArray, stacked
 from cardan.base.errors import DesignError, failing, positive
 from cardan.base.frozen import dataclass
 from cardan.base.source import ASSUMED, Source
@@ -293,6 +296,13 @@ class Shaft:
             raise DesignError(msg)
 
     @property
+    def torsional_flexibility(self) -> float:
+        """L / G J of the tube between its yokes, rad/(N m); 0 where nobody tells it."""
+        if self.tube is None or (isinstance(self.length, float) and isnan(self.length)):
+            return 0.0
+        return (self.tube_length or self.length) / self.tube.torsional_stiffness
+
+    @property
     def mass(self) -> Kilogram:
         """Mass of tube, yokes and spline."""
         tube = self.tube.mass_per_length * self.length if self.tube else 0.0
@@ -384,6 +394,14 @@ class Line:
     def phases(self) -> tuple[Radian, ...]:
         """Yoke phase of every shaft."""
         return tuple(s.phase for s in self.shafts)
+
+    def twisted(self, phases: ArrayLike, torque: ArrayLike) -> FloatArray:
+        """Return yoke phases (..., n-1) rad as torque (...) N m leaves them, of those welded.
+
+        It turns the rear yoke of each shaft back against the front one, by T L / G J.
+        """
+        torque = np.asarray(torque, dtype=float)[..., None]
+        return np.asarray(phases) - torque * stacked(s.torsional_flexibility for s in self.shafts)
 
     @property
     def lengths(self) -> tuple[Metre, ...]:

@@ -385,18 +385,19 @@ def _facing(r: "Response", laid: Layout) -> Facing | None:
 
 
 def settled(r: "Response") -> "Response":
-    """Return a line whose bearings sit, at each operating point, where its torque moves them.
+    """Return a line as its torque leaves it: shafts twisted, bearings moved on their rubber.
 
-    At a state's own torque and speed, which need not meet, it lies as it did. Its angles are to
-    be asked: forces on rubber are those of a line before its rubber gives.
+    The bearings at each operating point; of a line that has none they hang where they did. Its
+    angles are to be asked: forces on rubber are those of a line before its rubber gives.
     """
 
     def lay(of: Demand) -> Layout:
         torque = np.nan_to_num(of.torque)
-        assert r.held is not None  # or nothing gives
+        if r.held is None:
+            return r.lay(of)
         return set_down(r.lay(of), r.line, r.phases, torque=torque, held=r.held)
 
-    return replace(r, lay=lay)
+    return replace(r, lay=lay, under_torque=True)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -514,8 +515,9 @@ def _swinging(
     how: Callable[..., FloatArray],
 ) -> Points:
     """Return how a line's swinging goes on at points (P, ..., S), where it lies."""
-    turned = turn(lies.directions, phases=r.phases, crosses=r.line.crosses, samples=16)
     torque, pace = np.nan_to_num(at.torque), at.sense * np.nan_to_num(at.speed)
+    under = r.line.twisted(r.phases, torque)
+    turned = turn(lies.directions, phases=under, crosses=r.line.crosses, samples=16)
     rate = how(quick, quick.swing(turned), speed=pace, torque=torque)
     return Points(
         curves=at.curves,
@@ -648,7 +650,8 @@ def _sketch(r: "Response", at: Placed, on: Suspended) -> Sketch:
     if laid.directions.ndim - 2 < pitches.ndim:  # however the axle rides, it lies as it lies
         laid = laid[None]
     return sketch(
-        on, laid, r.line, r.phases, least=least, largest=largest, gravity=r.gravity,
+        on, laid, r.line, r.phases, least=least, largest=largest,
+        most=np.abs(np.nan_to_num(at.torque)).max(axis=0), gravity=r.gravity,
         balanced_at=r.balanced_at if r.application.include_unbalance else None,
         facing=_facing(r, laid),
     )  # fmt: skip
@@ -787,7 +790,10 @@ def driven(r: "Response", of: Driven, *, state: int) -> tuple[FloatArray, FloatA
             laid.directions, (len(shares), *laid.directions.shape[-3:])
         )[:, state],
     )  # fmt: skip
-    drawn = sketch(on, where, r.line, r.phases, least=least, largest=largest, gravity=r.gravity)
+    drawn = sketch(
+        on, where, r.line, r.phases, least=least, largest=largest,
+        most=np.abs(of.torque).max(), gravity=r.gravity,
+    )  # fmt: skip
     asked: dict[str, Any] = {
         "torque": of.torque,
         "speed": of.speed,
@@ -803,6 +809,7 @@ def _cases(r: "Response", found: Curves) -> tuple[int, ...]:
     of_parts += [s.centre_bearing.from_rear_joint for s in r.line.shafts if s.centre_bearing]
     for o in r.obstacles:
         of_parts += [*o.start, *o.end, o.radius, o.travel_share, r.demand.travel]
+    of_parts += [s.torsional_flexibility for s in r.line.shafts]
     shapes = [
         found.fastest.shape[1:],
         r.layout.directions.shape[:-2],

@@ -73,6 +73,8 @@ class Response:
     """Where the line runs at other torques: with its bearings and axle moved like here."""
     seats: Mapping[int, Seat] = field(default_factory=dict[int, Seat], repr=False, compare=False)
     """Brackets that give, by the bearing, from 0, that hangs in them; others are rigid."""
+    under_torque: bool = False
+    """Whether its turn is asked as torque twists its shafts (`points.settled`)."""
 
     @property
     def line(self) -> Line:
@@ -125,10 +127,18 @@ class Response:
 
     @cached_property
     def turn(self) -> Turn:
-        """The exact turn of the chain."""
-        return turn(
-            self.layout.directions, phases=self.phases, crosses=self.line.crosses, samples=SAMPLES
-        )
+        """The exact turn of the chain; its shafts as they are welded, as limits ask of it."""
+        return self._turned(self.demand.torque if self.under_torque else 0.0)
+
+    @cached_property
+    def twisted(self) -> Turn:
+        """The same as torque twists its shafts, which is how it carries that."""
+        return self._turned(self.demand.torque)
+
+    def _turned(self, torque: ArrayLike, *, samples: int = SAMPLES) -> Turn:
+        phases = self.line.twisted(self.phases, np.nan_to_num(torque))
+        d = self.layout.directions
+        return turn(d, phases=phases, crosses=self.line.crosses, samples=samples)
 
     @cached_property
     def angles(self) -> FloatArray:
@@ -232,7 +242,7 @@ class Response:
     def loads(self) -> Loads:
         """Forces round the turn at the state's torque, with weight where it is asked for."""
         return loads(
-            self.layout, self.turn, self.line, torque=self.demand.torque, gravity=self.gravity
+            self.layout, self.twisted, self.line, torque=self.demand.torque, gravity=self.gravity
         )
 
     @cached_property
@@ -244,12 +254,7 @@ class Response:
         """
         slip = np.nan_to_num(self.spline_force)
         speed = np.nan_to_num(self.demand.speed)[..., None, None]
-        turned = turn(
-            self.layout.directions,
-            phases=self.phases,
-            crosses=self.line.crosses,
-            samples=4 * SAMPLES,
-        )
+        turned = self._turned(self.demand.torque, samples=4 * SAMPLES)
         return tuple(
             loads(
                 self.layout,
@@ -418,7 +423,7 @@ class Response:
         if not hung:
             return ends
         light = (
-            loads(self.layout, self.turn, self.line, torque=self.demand.torque)
+            loads(self.layout, self.twisted, self.line, torque=self.demand.torque)
             if self.gravity
             else self.loads
         )

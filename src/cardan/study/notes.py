@@ -165,12 +165,12 @@ def _giving_rubber(responses: Iterable[Response]) -> Iterator[Said]:
 
 
 def _set_down(responses: Iterable[Response]) -> Iterator[Said]:
-    """Yield what an angle's limits would say of bearings where torque moves them, if otherwise.
+    """Yield what limits of angles and unevenness would say of a line under torque, if otherwise.
 
     Of each limit on a line, where that leaves least.
     """
     for r in responses:
-        if r.held is None or r.spread is None or r.layout.points.ndim > 3:
+        if r.layout.points.ndim > 3:
             continue
         both = (asked(of, quantities=OF_ANGLES) for of in (r, points.settled(r)))
         for hung, given in zip(*both, strict=True):
@@ -181,8 +181,9 @@ def _set_down(responses: Iterable[Response]) -> Iterator[Said]:
             at = np.unravel_index(int(np.where(turned, left, np.inf).argmin()), left.shape)
             quantity = QUANTITIES[hung.limit.quantity]
             yield said(
-                "with the bearings where torque moves them on their rubber, {quantity}, {part} of "
-                "line {line}, would be {given} for {hung} {unit} in {state}: {grade}",
+                "with the shafts twisted by torque and the bearings where it moves them on their "
+                "rubber, {quantity}, {part} of line {line}, would be {given} for {hung} {unit} in "
+                "{state}: {grade}",
                 quantity=quantity.name,
                 part=hung.parts[at[1]],
                 line=r.line.name,

@@ -639,8 +639,8 @@ def _tube(shaft: Shaft, number: int, line: str) -> tuple[float, float]:
     if shaft.tube is None:
         msg = f"shaft {number} of line {line} needs a tube for its torsional stiffness"
         raise DesignError(msg, about=f"drivelines.{line}.shafts[{number}]")
-    tube, length = shaft.tube, shaft.tube_length or shaft.length
-    return tube.torsional_stiffness / length, tube.polar_inertia_per_length * length
+    length = shaft.tube_length or shaft.length
+    return 1 / shaft.torsional_flexibility, shaft.tube.polar_inertia_per_length * length
 
 
 def _yokes(shaft: Shaft, tube: float) -> tuple[float, float] | None:
