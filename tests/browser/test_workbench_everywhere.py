@@ -258,7 +258,12 @@ def test_a_campaign_is_opened_decided_and_asked(tmp_path):
         press(driver, "[data-do=freeze]")
         wait(driver, "return document.querySelector('#revisions').parentNode.parentNode"
                      ".querySelector('li')")  # fmt: skip
-        assert (tmp_path / "revisions" / "twice.1.yaml").read_text("utf-8").endswith(text)
+        # The recording is kept beside it, and named there.
+        revision = tmp_path / "revisions" / "twice.1.yaml"
+        held = text.replace("run.csv", "twice.1.files/run.csv")
+        assert revision.read_text("utf-8").endswith(held)
+        copy = revision.with_name("twice.1.files") / "run.csv"
+        assert copy.read_bytes() == (tmp_path / "run.csv").read_bytes()
         assert serious(driver) == []
         # What changed since is said by what is written, and a command asks for it again.
         assert "cardan life twice.yaml" in driver.find_element("css selector", ".script").text

@@ -255,7 +255,8 @@ def test_what_is_no_yaml_is_told_in_the_language(code, text):
 
 
 WORKBENCH = (
-    "web/desk.py", "web/heard.py", "web/library.py", "web/limits.py", "web/parcel.py",
+    "web/desk.py", "web/revisions.py", "web/jobs.py", "web/session.py", "web/changes.py",
+    "web/heard.py", "web/library.py", "web/limits.py", "web/parcel.py",
     "web/seated.py", "web/guides.py", "files/deviation.py", "files/guided.py", "files/pasted.py",
     "files/manuscript.py", "study/drag.py",
     "study/launching.py", "study/powertrain.py", "study/stability.py", "model/application.py",

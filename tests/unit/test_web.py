@@ -1,11 +1,14 @@
 """The workbench's server: what it answers, what it refuses, how it ends. All on loopback."""
 
+import asyncio
 import errno
+import hashlib
 import http.client
 import json
 import os
 import re
 import selectors
+import shutil
 import signal
 import socket
 import sys
@@ -25,11 +28,15 @@ from workbench import BUILT, PATIENCE, command, page, reached, running
 from cardan import files
 from cardan.base.errors import BadFile, CardanError, NotInstalled
 from cardan.base.verdict import badness
+from cardan.border.document import LONGEST
 from cardan.cli import cli
+from cardan.demand.states import demand, resolve
+from cardan.files import campaign
+from cardan.quantity.response import respond
 from cardan.report import contract
 from cardan.report.language import CODES, Language
 from cardan.study.approval import approve
-from cardan.web import lanes, library, server, session, words
+from cardan.web import lanes, library, parcel, revisions, server, session, words
 from cardan.web.answer import SOUGHT, answer
 from cardan.web.desk import Conflict, Desk, readable
 from cardan.web.lanes import Lane
@@ -63,6 +70,41 @@ def asked(text, job="live", **what):
 
 
 # ------------------------------------------------------------------ what it answers
+
+
+def test_sliders_know_coasting_from_braking():
+    """The low end of the torque's slider was coasting alone; brakes turn the axle the most.
+
+    By hand: the axle pitches by what holds it over its stiffness. Brakes hold what the tyres do,
+    μ N r of its load, whatever the line's torque; coasting T i / η, as its wheels turn the line.
+    """
+    text = TRUCK.read_text("utf-8")
+    app = files.loads(text)
+    r = respond(app, demand(resolve(app, app.lines[0])))
+    line = r.demand.standing.line
+    stiffness = line.suspension.windup_stiffness
+
+    def posed(torque, **how):
+        pose = asked(
+            text, "pose", pose={"travel_mm": 0.0, "torque_Nm": torque, **how}, want=["curves"]
+        )["pose"]
+        return pose["way"], pose["torque"], pose["at"]["pitch"], pose
+
+    still = posed(0.0)[2]
+    way, _, coasts, _ = posed(-1000.0)
+    assert way == "coast"
+    axle = line.axle
+    turned = -1000.0 * axle.ratio / axle.efficiency
+    assert coasts - still == pytest.approx(np.degrees(turned / stiffness), abs=2e-3)
+    assert posed(-3000.0)[0] == "reverse"
+    assert posed(2000.0)[0] == "drive"
+    held = line.tyre.friction * line.tyre.static_radius * r.demand.standing.braked[2]
+    for torque in (-1000.0, -3000.0, 2000.0):
+        way, told, braked, pose = posed(torque, way="brake")
+        assert (way, told) == ("brake", min(torque, 0.0))
+        assert braked - still == pytest.approx(np.degrees(-held / stiffness), abs=2e-3)
+        assert max(pose["over_torque"]["x"]) == 0.0
+    assert r.demand.states[2] == "gvw"
 
 
 @pytest.mark.parametrize("path", [TRUCK, CHAIN, ROOT / "examples/tandem-6x4.yaml"],
@@ -554,8 +596,7 @@ WRONG = [
     '{"type": "open", "file": -1}', '{"type": "open", "file": true}', '{"type": "ask"}',
     '{"type": "ask", "id": 1}', '{"type": "ask", "id": 1, "text": 3}',
     '{"type": "ask", "id": "1", "text": ""}', asking('"drag": {}'), dragging("[0, 0]"),
-    dragging("[0, 0, NaN]"), dragging("[0, 0, 1e9]"), asking('"edits": {"a": {}}'),
-    asking('"edits": {"a": "x\\ny"}'), asking('"pose": []'),
+    dragging("[0, 0, NaN]"), asking('"edits": {"a": {}}'), asking('"pose": []'),
     asking('"pose": {"travel_mm": Infinity}'), asking('"pose": {"state": 1.5}'),
     '{"type": "save", "file": 0, "text": "a"}',
     '{"type": "keep", "file": 7, "text": "a", "mark": ""}',
@@ -572,6 +613,52 @@ def test_a_message_of_the_wrong_shape_ends_its_socket_alone(house, said):
             one.hear("nothing")
         assert ended.value.rcvd.code == 1003
         assert other.open()["type"] == "opened"
+
+
+MUCH = "x" * (LONGEST + 2)
+TOO_MUCH = [
+    ("live", dragging("[0, 0, 1e9]"), "a number is beyond 100000"),
+    ("live", asking('"edits": {"a": "x\\ny"}'), "a would hold a character that nobody sees"),
+    ("live", asking(f'"edits": {{"a": "{"x" * 301}"}}'), "a is longer than 300 characters"),
+    ("live", asking(f'"edits": {json.dumps({f"a{k}": 1 for k in range(201)})}'), "more than 200"),
+    ("live", asking('"pose": {"state": 1000}'), "state is beyond 999"),
+    ("live", asking(f'"edits": {{"a": {10**400}}}'), "a number is beyond"),
+    ("moved", dragging("[0, 0, 1e9]")[:-1] + ', "held": true}', "a number is beyond 100000"),
+    ("posed", f'{{"type": "pose", "id": 1, "text": "{MUCH}"}}', "text is longer than"),
+    ("helped", f'{{"type": "help", "id": 1, "text": "{MUCH}"}}', "text is longer than"),
+    ("refused", f'{{"type": "keep", "file": 0, "mark": "", "text": "{MUCH}"}}', "longer than"),
+    ("refused", f'{{"type": "save", "file": 0, "mark": "", "text": "{MUCH}"}}', "longer than"),
+    ("refused", json.dumps({"type": "create", "title": "x" * 301, "text": ""}), "title is longer"),
+    ("refused", json.dumps({"type": "freeze", "file": 0, "text": "", "by": "x" * 101, "note": ""}),
+     "by is longer than 100"),
+    ("refused", json.dumps({"type": "pin", "file": 0, "variants": [{"name": "", "text": ""}] * 13}),
+     "variants are more than 12"),
+    ("refused", json.dumps({"type": "bring", "id": 1, "name": "x" * 1001, "size": 1}),
+     "name is longer than 1000"),
+    ("done", json.dumps({"type": "job", "id": 1, "job": "life", "text": "",
+                         "args": {"hours": "1" * 41}}), "hours is longer than 40 characters"),
+    ("done", json.dumps({"type": "job", "id": 1, "job": "guided", "text": "",
+                         "args": {"points": "0 0 0\n" * 4000}}), "points is longer than 20000"),
+    ("refused", json.dumps({"type": "piece", "at": 0, "data": "A" * (parcel.PIECE + 8)}),
+     "data is longer than 1500000"),
+    ("done", json.dumps({"type": "job", "id": 1, "job": "map", "file": 0, "bytes": 24e6}),
+     "what is asked takes 24 MB, more than the 8 MB that are read"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "said", "why"), TOO_MUCH, ids=lambda s: s[:60])
+def test_what_is_more_than_is_taken_is_refused_in_words_and_the_socket_stays(
+    house, kind, said, why
+):
+    """A name of 101 letters hung up on everything the page held: recording, masks, hand."""
+    with page(house) as one:
+        one.hello()
+        one.socket.send(said)
+        told = one.hear("live", "moved", "posed", "helped", "refused", "done")
+        assert told["type"] == kind
+        assert why in told["why" if kind == "refused" else "fault"]
+        assert told.get("id") == json.loads(said).get("id") or kind == "refused"
+        assert one.open()["type"] == "opened"
 
 
 def told_until_closed(one, said):
@@ -664,7 +751,7 @@ def test_why_a_file_cannot_be_written_is_said_in_the_pages_language(own, monkeyp
     with page(house) as one:
         one.hello("pt")
         mark = one.open()["mark"]
-        for name, what in (("save", {"mark": mark}), ("freeze", {"by": "", "note": ""})):
+        for name, what in (("save", {"mark": mark}), ("freeze", {"by": "A", "note": ""})):
             monkeypatch.setattr(house.desk, name, denied)
             one.say(name, file=0, text=TEXT, **what)
             told = one.hear("refused")
@@ -1165,7 +1252,8 @@ def test_a_revision_keeps_its_catalogues_too_each_under_its_name(tmp_path):
     """Rewritten at the keys that name files, and nowhere else that says the same."""
     (tmp_path / "sub").mkdir()
     (tmp_path / "sub" / "ours.csv").write_text("name\n", "utf-8")
-    text = 'title: "sub/ours.csv"\ncatalogues: [sub/ours.csv]\nlimits: mine.yaml\n'
+    title = 'title: "sub/ours.csv"\ncatalogues: [sub/ours.csv]'
+    text = re.sub(r"(?m)^title:.*$", title, OURS)
     (tmp_path / "a.yaml").write_text(text, "utf-8")
     (tmp_path / "mine.yaml").write_text(HOUSE, "utf-8")
     desk = Desk(tmp_path / "a.yaml", drafts=tmp_path / "drafts")
@@ -1178,6 +1266,139 @@ def test_a_revision_keeps_its_catalogues_too_each_under_its_name(tmp_path):
     assert (copies / "sub" / "ours.csv").is_file()
     assert "revisions/a.1.files/mine.yaml" in kept["text"]
     assert len(desk.freeze(0, text, by="B", note="")) == 2
+
+
+JOB = ROOT / "examples" / "refuse-collector"
+
+
+@pytest.fixture
+def job(tmp_path):
+    """A campaign, a bracket from a STEP file, and all that they name."""
+    return Path(shutil.copytree(JOB, tmp_path / "job"))
+
+
+def since(desk, kept):
+    """Return what is told to have changed since a revision."""
+    paper = desk.papers[0]
+    args = {"variants": [{"name": "1", "text": kept["text"]}]}
+    told = asked(
+        paper.read(), job="compare", args=args, name=paper.name, folder=str(desk.folder)
+    )  # fmt: skip
+    return [(row["name"], *row["values"]) for row in told["differences"]]
+
+
+def sums(revision):
+    """Return what a revision keeps, as who knows nothing of us checks it."""
+    own = revision.with_name(f"{revision.stem}.files")
+    found = {}
+    for row in (own / "SHA256SUMS").read_text("utf-8").splitlines():
+        was, name = row.split("  ", 1)
+        assert hashlib.sha256((own / name).read_bytes()).hexdigest() == was
+        found[name] = own / name
+    return found
+
+
+@pytest.mark.parametrize("most", [64_000_000, 10_000])
+def test_a_frozen_campaign_keeps_its_recordings_and_who_writes_into_them_is_told_of(
+    job, monkeypatch, most
+):
+    """It kept its text alone: another recording under that name was what had been approved."""
+    monkeypatch.setattr(revisions, "HEAVIEST", most)
+    desk = Desk(job / "campaign.yaml", drafts=job / "drafts")
+    (kept,) = desk.freeze(0, desk.open(0)["saved"], by="A", note="")
+    revision = job / "revisions" / "campaign.1.yaml"
+    copy = sums(revision)["joints.parquet"]
+    assert {*sums(revision)} == {"joints.parquet", "application.yaml"}
+    # What is heavy takes no room: it is a second name of the file.
+    original = job / "joints.parquet"
+    assert copy.samefile(original) == (most < 64_000_000)
+    assert campaign.read(revision).drives[0].file.read_bytes() == original.read_bytes()
+    assert since(desk, kept) == []
+    was = original.read_bytes()
+    row = ("recordings[1].file: other contents", "joints.parquet")
+    named = "revisions/campaign.1.files/joints.parquet"
+    # Another file in its place leaves what was approved as it was.
+    original.unlink()
+    original.write_bytes(was[:-1] + b"x")
+    assert since(desk, kept) == [(*row, named)]
+    assert copy.read_bytes() == was
+    original.unlink()
+    assert since(desk, kept) == [(row[0], "joints.parquet: is no longer there", named)]
+    (os.link if most < 64_000_000 else shutil.copyfile)(copy, original)
+    assert since(desk, kept) == []
+    # Who writes into the file itself changes both of two names: there is no silence on that.
+    original.write_bytes(was[:-1] + b"x")
+    spoilt = f"{named}: overwritten since" if most < 64_000_000 else named
+    assert since(desk, kept) == [(*row, spoilt)]
+    original.write_bytes(was)
+    assert since(desk, kept) == []
+    # The application that it names counts too, and what that names.
+    with (job / "application.yaml").open("a") as file:
+        file.write("# another\n")
+    assert [one[:2] for one in since(desk, kept)] == [
+        ("application: other contents", "application.yaml")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "by", "why"),
+    [("title: [\n", "A", "a value is missing"), ("title: x\n", "A", "driveline"),
+     (TEXT, "", "sign it"), (TEXT, "\u200b \u202e", "sign it")],
+)  # fmt: skip
+def test_what_nobody_can_read_or_nobody_signs_is_not_frozen(tmp_path, text, by, why):
+    """A signature on a text that had not been shown, and one that nobody sees."""
+    (tmp_path / "a.yaml").write_text(TEXT, "utf-8")
+    desk = Desk(tmp_path / "a.yaml", drafts=tmp_path / "drafts")
+    with pytest.raises(BadFile) as found:
+        desk.freeze(0, text, by=by, note="")
+    assert why in str(found.value)
+    assert desk.revisions(0) == []
+
+
+def test_a_link_that_cannot_be_made_is_a_copy(job, monkeypatch):
+    """A stick or a share may know no second names."""
+
+    def never(*_):
+        raise OSError(errno.EPERM, os.strerror(errno.EPERM))
+
+    monkeypatch.setattr(revisions, "HEAVIEST", 0)
+    monkeypatch.setattr(os, "link", never)
+    desk = Desk(job / "tracks.yaml", drafts=job / "drafts")
+    desk.freeze(0, desk.open(0)["saved"], by="A", note="")
+    copy = sums(job / "revisions" / "tracks.1.yaml")["road.parquet"]
+    assert not copy.samefile(job / "road.parquet")
+
+
+def test_a_frozen_bracket_keeps_the_step_file_of_its_shape(job):
+    """`cardan bracket` on the revision reads the shape that was approved."""
+    desk = Desk(job / "from-step.yaml", drafts=job / "drafts")
+    (kept,) = desk.freeze(0, desk.open(0)["saved"], by="A", note="")
+    revision = job / "revisions" / "from-step.1.yaml"
+    was = (job / "bracket.step").read_bytes()
+    assert sums(revision)["bracket.step"].read_bytes() == was
+    assert since(desk, kept) == []
+    (job / "bracket.step").write_bytes(was + b"\n")
+    ((name, *_),) = since(desk, kept)
+    assert name == "bracket.step.file: other contents"
+    assert Path(files.read(revision).bracket.shape.path).read_bytes() == was
+
+
+def test_a_frozen_file_keeps_what_its_files_name(tmp_path):
+    """An application of a campaign has limits and catalogues of its own: they were left out."""
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "sub" / "app.yaml").write_text(OURS, "utf-8")
+    (tmp_path / "sub" / "mine.yaml").write_text(HOUSE, "utf-8")
+    (tmp_path / "a.csv").write_text("time_s,S1 [MPa]\n0,1\n1,2\n", "utf-8")
+    text = "campaign: A day\nrecordings: [{file: a.csv}]\napplication: sub/app.yaml\n"
+    text += "gauges: [S1]\nstrength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}\n"
+    (tmp_path / "c.yaml").write_text(text, "utf-8")
+    desk = Desk(tmp_path / "c.yaml", drafts=tmp_path / "drafts")
+    (kept,) = desk.freeze(0, text, by="A", note="")
+    revision = tmp_path / "revisions" / "c.1.yaml"
+    assert {*sums(revision)} == {"a.csv", "sub/app.yaml", "sub/mine.yaml"}
+    assert campaign.read(revision).options["application"].profile == "house"
+    (tmp_path / "sub" / "mine.yaml").write_text(HOUSE + "# \n", "utf-8")
+    assert [row[0] for row in since(desk, kept)] == ["application: other contents"]
 
 
 @pytest.mark.parametrize("how", ["full", "half a letter"])
@@ -1208,13 +1429,117 @@ def test_what_cannot_be_written_leaves_nothing_behind(tmp_path, monkeypatch, how
     assert (tmp_path / "a.yaml").read_text("utf-8") == OURS
 
 
+def test_each_page_keeps_its_own_unsaved_text(own):
+    """Of two tabs with edits of one file a crash left the one that was typed in last."""
+    house, _ = own
+    with page(house) as one, page(house) as two:
+        whos = [tab.hello()["who"] for tab in (one, two)]
+        assert len(set(whos)) == 2
+        mark, _ = (tab.open()["mark"] for tab in (one, two))
+        for tab, said in ((one, "# one\n"), (two, "# two\n"), (one, "# one, later\n")):
+            tab.say("keep", file=0, text=TEXT + said, mark=mark)
+            tab.hear("kept")
+        # A third is told of what others have, and throws none of it away.
+        with page(house) as three:
+            three.hello()
+            told = three.open()
+            assert (told["draft"], told["elsewhere"]) == (TEXT + "# one, later\n", True)
+            three.say("drop", file=0)
+    # All of them have crashed.
+    with page(house) as four:
+        four.hello("pt")
+        told = four.open()
+        assert (told["draft"], told["elsewhere"]) == (TEXT + "# one, later\n", False)
+        (left,) = told["variants"]
+        assert left["text"] == TEXT + "# two\n"
+        assert left["name"].startswith("não salvo 20")
+        assert told["left"] == 1
+        # Kept among the variants it is still there for others; once it is taken out it is gone.
+        four.say("pin", file=0, variants=[left])
+        four.hear("kept")
+        assert four.open()["variants"] == [left]
+        four.say("pin", file=0, variants=[])
+        four.hear("kept")
+        told = four.open()
+        assert (told["variants"], told["draft"]) == ([], TEXT + "# one, later\n")
+
+
+def test_who_comes_back_takes_nobody_elses_unsaved_text(own):
+    """It has a text of its own: what another left meanwhile is for who opens the file anew."""
+    house, _ = own
+    with page(house) as one:
+        who = one.hello()["who"]
+        mark = one.open()["mark"]
+        one.say("keep", file=0, text=TEXT + "# one\n", mark=mark)
+        one.hear("kept")
+    with page(house) as two:  # which saw none of it
+        was = two.hello()["who"]
+    with page(house) as two:
+        two.say("hello", lang="en", was=was)
+        assert two.hear("welcome")["who"] == was
+        two.open()
+        two.say("drop", file=0)
+        two.say("keep", file=0, text=TEXT + "# two\n", mark=mark)
+        two.hear("kept")
+        with page(house) as one, page(house) as another:
+            for tab in (one, another):  # nobody is two
+                tab.say("hello", lang="en", was=who)
+            assert {tab.hear("welcome")["who"] == who for tab in (one, another)} == {True, False}
+    with page(house) as three:
+        three.hello()
+        told = three.open()
+        texts = {told["draft"], *(v["text"] for v in told["variants"])}
+        assert texts == {TEXT + "# one\n", TEXT + "# two\n"}
+
+
+def test_a_draft_of_another_text_is_told_with_what_it_was_edited_from(own):
+    """A page that is loaded again asks again: it must not save over a text nobody has looked at."""
+    house, path = own
+    with page(house) as one:
+        one.hello()
+        mark = one.open()["mark"]
+        one.say("keep", file=0, text=TEXT + "# mine\n", mark=mark)
+        one.hear("kept")
+    path.write_text(TEXT + "# others\n", "utf-8")
+    for _ in range(2):  # the page keeps it anew as it goes
+        with page(house) as one:
+            one.hello()
+            told = one.open()
+            assert told["stale"]
+            assert told["base"] == mark != told["mark"]
+            one.say("save", file=0, text=told["draft"], mark=told["base"])
+            assert one.hear("saved", "disk")["conflict"]
+            one.say("keep", file=0, text=told["draft"], mark=told["base"])
+            one.hear("kept")
+    assert path.read_text("utf-8") == TEXT + "# others\n"
+
+
+def test_what_a_process_leaves_half_done_goes_with_it(tmp_path, monkeypatch):
+    """Texts of applications lay in the folder for temporary files after each job that was ended."""
+    monkeypatch.setattr(lanes.tempfile, "tempdir", str(tmp_path))
+
+    async def ended():
+        lane = Lane()
+        await lane.start()
+        (folder,) = tmp_path.iterdir()
+        environment = Path(f"/proc/{lane.pid}/environ")
+        if environment.exists():
+            assert f"TMPDIR={folder}".encode() in environment.read_bytes().split(b"\0")
+        (folder / "question").write_text(TEXT, "utf-8")
+        lane.close()
+        await lane.closed()
+
+    asyncio.run(ended())
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_half_a_letter_is_refused_and_kept_as_a_draft(own):
     """The socket was dropped, and what was typed with it."""
     house, _ = own
     with page(house) as one:
         one.hello()
         mark = one.open()["mark"]
-        for what in ({"type": "save", "mark": mark}, {"type": "freeze", "by": "", "note": ""}):
+        for what in ({"type": "save", "mark": mark}, {"type": "freeze", "by": "A", "note": ""}):
             kind = what.pop("type")
             one.say(kind, file=0, text=TEXT + "# \ud83d\n", **what)
             assert f"line {TEXT.count(chr(10)) + 1} holds half a" in one.hear("refused")["why"]

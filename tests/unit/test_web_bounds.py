@@ -48,7 +48,7 @@ def test_a_job_past_its_memory_is_told_so_and_nobody_else_is(own):
 
     with page(own) as one:
         text = settled(one)
-        sigmas = {"sigmas": [{"id": "bearing_height 1", "amount": 2.0}], "count": 60_000}
+        sigmas = {"sigmas": [{"id": "bearing_height 1", "amount": "2.0"}], "count": 60_000}
         one.say("job", id=3, job="yield", text=text, args={**sigmas, "count": 16})
         assert "fault" not in one.hear("done")
         pid = own.lanes.work.pid

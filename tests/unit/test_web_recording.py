@@ -1,5 +1,6 @@
 """A recording brought to the workbench: how it comes, what it holds, what it did."""
 
+import errno
 import json
 import os
 import subprocess
@@ -15,17 +16,22 @@ from workbench import PATIENCE, page, running
 
 import cardan
 from cardan.base.units import MPa
+from cardan.fatigue.recording import Channel
 from cardan.fatigue.synthetic import Gains, synthetic
 from cardan.report import life
+from cardan.report.language import Language
 from cardan.study.campaign import Campaign
 from cardan.study.recording import listen, listen_to_all
-from cardan.web import parcel
+from cardan.web import heard, parcel
 from cardan.web.answer import answer
 
 ROOT = Path(__file__).parents[2]
 TRUCK = (ROOT / "examples" / "three-joint-chain.yaml").read_text("utf-8")
 GUILTY = Gains(joints=40 * MPa, events=25 * MPa, road=4 * MPa)
 CAMPAIGN = {"gauges": ["S1", "S2"], "sn": "80,2e6,5", "speed": "shaft_speed", "torque": "torque"}
+CURVE = {"amplitude": "80", "cycles": "2e6", "slope": "5"}
+ASKED = {k: v for k, v in CAMPAIGN.items() if k != "sn"} | CURVE
+"""The same, as it is typed in the page."""
 
 
 @pytest.fixture(scope="module")
@@ -101,7 +107,7 @@ def test_a_recording_comes_in_pieces_is_heard_and_goes_with_the_page(
         assert told["name"].startswith("<b>run")
         assert "\u202e" not in told["name"]
         assert str(tmp_path) not in json.dumps(told)
-        one.say("job", id=7, job="life", text="", args=CAMPAIGN)
+        one.say("job", id=7, job="life", text="", args=ASKED)
         one.hear("part")
         one.say("cancel", id=7)
         assert one.hear("done")["fault"] == "cancelled"
@@ -120,7 +126,7 @@ def test_a_recording_comes_in_pieces_is_heard_and_goes_with_the_page(
         ("run.exe", 10, "no reader for '.exe'"),
         ("/etc/passwd", 10, "no reader for ''"),
         ("run.csv", parcel.MOST + 1, "256 MB"),
-        ("run.csv", 0, "256 MB"),
+        ("run.csv", 0, "run.csv is empty"),
     ],
 )
 def test_what_cannot_be_brought_is_refused_with_why(house, tmp_path, monkeypatch, name, size, why):
@@ -132,6 +138,30 @@ def test_what_cannot_be_brought_is_refused_with_why(house, tmp_path, monkeypatch
         assert kept(tmp_path) == []
 
 
+def test_a_full_disk_is_told_and_leaves_nothing_of_a_recording(house, tmp_path, monkeypatch):
+    """The socket was dropped, and everything the page held went with it, without a word."""
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(parcel.tempfile, "tempdir", str(tmp_path))
+    with page(house) as one:
+        one.hello()
+        one.say("bring", id=1, name="run.csv", size=10)
+        one.hear("brought")
+        with monkeypatch.context() as crowded:
+            crowded.setattr(Path, "open", full)
+            one.say("piece", at=0, data="QUJD")
+            assert "No space left" in one.hear("refused", "brought")["why"]
+        assert kept(tmp_path) == []
+        with monkeypatch.context() as crowded:
+            crowded.setattr(parcel.tempfile, "mkdtemp", full)
+            one.say("bring", id=2, name="run.csv", size=10)
+            assert "No space left" in one.hear("refused", "brought")["why"]
+        one.say("bring", id=3, name="run.csv", size=10)
+        assert one.hear("refused", "brought")["got"] == 0
+
+
 @pytest.mark.parametrize(
     "said",
     [
@@ -139,7 +169,6 @@ def test_what_cannot_be_brought_is_refused_with_why(house, tmp_path, monkeypatch
         {"at": 0, "data": "QUJDREVGR0hJSktM"},  # more than was said
         {"at": 0, "data": "not base64!"},
         {"at": 0, "data": ""},
-        {"at": 0, "data": "A" * (parcel.PIECE + 8)},
         {"at": 0},
         {"at": 0, "data": "QUJD", "before": None},  # nothing was begun
     ],
@@ -196,7 +225,7 @@ def test_channels_are_told_with_their_range_and_what_looks_wrong(run):
 
 
 def test_life_and_causes_are_those_of_the_command(run):
-    told = job("life", run, **CAMPAIGN, target_hours=10.0)
+    told = job("life", run, **ASKED, hours="10")
     assert wrong("Lived", told) == []
     found = listen(run, Campaign.of(**CAMPAIGN, target_hours=10.0), draw=True)
     heard = found.answer
@@ -220,7 +249,7 @@ def test_life_and_causes_are_those_of_the_command(run):
 
 
 def test_what_is_masked_and_where_it_is_cut_count(run):
-    mine = {"gauges": ["S2"], "sn": CAMPAIGN["sn"]}
+    mine = {"gauges": ["S2"], **CURVE}
 
     def damage(**more):
         told = job("life", run, **mine, **more)
@@ -234,13 +263,87 @@ def test_what_is_masked_and_where_it_is_cut_count(run):
     assert damage(accept=["S2=spike"])[3] == as_is[3]
     cut = damage(first="21", last="49,5")  # between the spikes
     assert cut[4] != "vetoed"
-    for wrong_, why in (({"first": "x"}, "a number of seconds"), ({"gauges": ["S9"]}, "S9"),
+    for wrong_, why in (({"first": "x"}, "from [s]: is no number"), ({"gauges": ["S9"]}, "S9"),
                         ({"first": "800"}, "nothing behind 800 s: it ends at 90 s")):  # fmt: skip
         question = {"job": "life", "text": "", "name": "x", "folder": None, "lang": "en"}
         args = mine | wrong_ | {"recording": {"path": str(run), "name": "run.csv"}}
         told = answer({**question, "args": args})
         assert why in told["problems"][0]["message"]
         assert str(run.parent) not in told["problems"][0]["message"]
+
+
+@pytest.mark.parametrize(
+    ("lang", "typed", "hours"),
+    [("en", "10 000", 1e4), ("en", "1e4", 1e4), ("pt", "10 000", 1e4), ("en", "10.000", 10.0),
+     ("it", "12,5", 12.5), ("en", "10,000", "decimals or thousands? write 10.000 or 10000"),
+     ("pt", "10.000", "decimais ou milhares? escreva 10,000 ou 10000"),
+     ("en", "10000 h", "hours to live: is no number"), ("en", "abc", "is no number"),
+     ("en", "0", "above 0"), ("en", "1e13", "at most 1e+12")],
+)  # fmt: skip
+def test_what_is_asked_of_a_life_is_what_was_typed_or_it_is_said_why_not(run, lang, typed, hours):
+    """`10 000` hours were not asked at all, `10.000` of a page in Portuguese were ten."""
+    question = {"job": "life", "text": "", "name": "x", "folder": None, "lang": lang}
+    args = {**ASKED, "hours": typed, "recording": {"path": str(run), "name": "run.csv"}}
+    told = answer({**question, "args": args})
+    if isinstance(hours, str):
+        assert hours in told["problems"][0]["message"]
+        return
+    rows = told["chapters"][0]["blocks"][0]["rows"]
+    (bound,) = {row[4].removeprefix("≥ ") for row in rows}
+    assert bound == Language(lang).number(hours)
+
+
+def test_a_drift_is_decided_as_all_else_that_looks_wrong(tmp_path):
+    """The answer said that a word on it is needed, and there was none to choose."""
+    rng = np.random.default_rng(3)
+    t = np.arange(20_000) / 200
+    creeps = 20 * rng.standard_normal(t.size) + 400 * (t / t[-1]) ** 2
+    path = tmp_path / "a.csv"
+    np.savetxt(path, np.stack([t, creeps], -1), "%.7g", delimiter=",", header="time_s,S1 [MPa]",
+               comments="")  # fmt: skip
+    (channel,) = job("recording", path)["channels"]
+    (drift,) = (s for s in channel["suspects"] if s["kind"] == "drift")
+    assert not drift["mask"]
+
+    def row(**more):
+        told = job("life", path, gauges=["S1"], **CURVE, **more)
+        tables = (b["rows"] for c in told["chapters"] for b in c["blocks"] if b["kind"] == "table")
+        return next(row for rows in tables for row in rows if row[0] == "S1")
+
+    assert row()[4] == "vetoed"
+    (undecided,) = job("life", path, gauges=["S1"], **CURVE)["open"]
+    assert undecided["rule"] == "S1=drift"
+    assert job("life", path, gauges=["S1"], **CURVE, accept=["S1=drift"])["open"] == []
+    assert row(accept=["S1=drift"])[4] != "vetoed"
+    assert row(zero="drift")[4] != "vetoed"
+    assert float(row(zero="drift")[3]) < float(row(accept=["S1=drift"])[3])
+
+
+def test_strain_is_turned_into_stress_by_what_is_said(tmp_path):
+    """206 GPa, unsaid: an aluminium part was off by thousands. Damage goes with E to the slope."""
+    rng = np.random.default_rng(3)
+    path = tmp_path / "a.csv"
+    rows = np.stack([np.arange(20_000) / 200, 300 * rng.standard_normal(20_000)], -1)
+    head = "time_s,S1 [um/m]"
+    np.savetxt(path, rows, "%.7g", delimiter=",", header=head, comments="")
+
+    def damage(**more):
+        told = job("life", path, gauges=["S1"], **CURVE, accept=["S1=rate"], **more)
+        tables = (b["rows"] for c in told["chapters"] for b in c["blocks"] if b["kind"] == "table")
+        return float(next(row for rows in tables for row in rows if row[0] == "S1")[3])
+
+    assert damage(modulus="206") == damage()
+    assert damage() / damage(modulus="70") > (206 / 70) ** 5
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "role"),
+    [("engine_mount_S1", "um/m", "gauge"), ("motor_torque", "Nm", ""), ("engine", "rpm", "engine"),
+     ("motor", "", "engine"), ("tacho", "V", "tacho"), ("shaft", "rpm", "speed")],
+)  # fmt: skip
+def test_a_channel_is_guessed_by_its_unit_before_its_name(name, unit, role):
+    """Strain on an engine's mount was an engine's speed, and no gauge."""
+    assert heard._role(Channel(name=name, unit=unit)) == role
 
 
 def test_a_speed_is_not_told_that_it_drifts_or_stands_still(tmp_path):
@@ -259,7 +362,9 @@ def test_a_speed_is_not_told_that_it_drifts_or_stands_still(tmp_path):
     path.write_text(path.read_text().replace("nan", ""))
     told = {c["name"]: c for c in job("recording", path)["channels"]}
     kinds = {name: {s["kind"] for s in c["suspects"]} for name, c in told.items()}
-    assert kinds["S1"] == kinds["mark"] == {"freeze"}  # of what nobody knows it may be a gauge
+    assert (
+        kinds["S1"] == kinds["mark"] == {"freeze", "drift"}
+    )  # of what nobody knows it may be a gauge
     assert any("drifts" in s for s in told["S1"]["said"])
     for name in ("shaft", "torque"):
         assert kinds[name] == {"hole"}

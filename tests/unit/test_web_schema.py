@@ -108,7 +108,7 @@ def test_a_welcome_has_its_shape():
         ("Guided", "guided", "", FORM), ("Ghost", "ghost", TRUCK, {}),
         ("Compared", "compare", CHAIN, {"variants": [{"name": "b", "text": TRUCK}]}),
         ("MapOf", "map", CHAIN, {"x": "bearing_height 1", "y": "shim 1"}),
-        ("Yield", "yield", CHAIN, {"sigmas": [{"id": "shim 1", "amount": 0.2}], "count": 128}),
+        ("Yield", "yield", CHAIN, {"sigmas": [{"id": "shim 1", "amount": "0.2"}], "count": 128}),
         ("LimitsOf", "limits", TRUCK, {}),
     ],
 )  # fmt: skip

@@ -181,6 +181,7 @@ function Notices({ known }: { known: Known }) {
   const unread = (known.live ?? known.campaign) !== null && known.problems.length > 0;
   const said = n && (n.kind === "refused" ? n.why : {
     restored: t("What was not saved last time is here again; undo goes back to the file."),
+    elsewhere: t("Another page has unsaved edits of this file: they are shown here too; undo goes back to the file."),
     reloaded: t("The file was changed on disk, and is shown as it is now."),
     beside: t("A file that this one names was changed on disk, and is asked again."),
     conflict: t("The file was changed on disk while there are unsaved edits here."),
@@ -190,6 +191,7 @@ function Notices({ known }: { known: Known }) {
       {n && (
         <p class={`notice ${n.kind === "conflict" ? "warn" : n.kind === "refused" ? "fail" : ""}`}>
           {said}
+          {"left" in n && n.left > 0 && ` ${t("What other pages had not saved stands among the variants.")}`}
           {n.kind === "conflict" ? (
             <>
               <button onClick={() => store.settle(true)}>{t("take the file; undo keeps mine")}</button>

@@ -32,7 +32,7 @@ export function Campaign({ known, of }: { known: Known; of: Of }) {
           {look?.running && <p class="note" role="status">{t("reading …")}</p>}
           {look?.why && <p class="fail">{look.why}</p>}
         </Card>
-        {heard && <Channels of={heard} between={[0, heard.seconds]} rules={rules} gauge={(c) => c.role === "gauge"} decide={(said, rule) => store.apply(Object.fromEntries(([[rules[said], "[-]"], [rule, "[+]"]] as const).flatMap(([of, how]) => (of ? [[`recordings[${at + 1}].${of}${how}`, said]] : []))))}>{(c) => <span class="note">{roleNames()[c.role]}</span>}</Channels>}
+        {heard && <Channels of={heard} between={[0, heard.seconds]} rules={rules} used={(c) => c.role !== ""} decide={(said, rule) => store.apply(Object.fromEntries(([[rules[said], "[-]"], [rule, "[+]"]] as const).flatMap(([of, how]) => (of ? [[`recordings[${at + 1}].${of}${how}`, said]] : []))))}>{(c) => <span class="note">{roleNames()[c.role]}</span>}</Channels>}
         <Editor known={known} />
       </div>
       <div class="right">

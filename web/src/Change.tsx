@@ -29,8 +29,9 @@ function Fix({ known, shown }: Both) {
   const args = { line: shown.index, hold };
   const sofar = job?.running || job?.why ? job.part?.proposals : undefined; // stopped, it keeps that
   const found = sofar ?? job?.answer?.proposals;
+  const stale = job?.of !== store.about(args); // what moves the file as it was would be on top of what moved it since
   return (
-    <Card id="fix" title={t("Corrections")} head={<Asking job={job} name="fix" word={t("look for corrections")} stale={job?.of !== store.about(args)} ask={() => store.work("fix", args)} />}>
+    <Card id="fix" title={t("Corrections")} head={<Asking job={job} name="fix" word={t("look for corrections")} stale={stale} ask={() => store.work("fix", args)} />}>
       <fieldset>
         <legend class="note">{t("what may move")}</legend>
         {shown.line.movable.filter((m) => m.free).map((m) => (
@@ -42,13 +43,13 @@ function Fix({ known, shown }: Both) {
       </fieldset>
       {sofar && <p class="note" role="status">{t("the best so far")}</p>}
       {found?.length === 0 && <p class="note">{t("Nothing that may move leaves the line better than it stands.")}</p>}
-      {found && found.length > 0 && !sofar && <><Front of={found} /><p class="note">{job?.answer?.scatter}</p></>}
+      {found && found.length > 0 && !sofar && <><Front of={found} stale={stale} /><p class="note">{job?.answer?.scatter}</p></>}
       <ol class="proposals">
         {found?.map((p, k) => (
           <li key={k} class={p.verdict}>
             <p><b class={p.verdict}>{t(p.verdict)}</b> {p.moves.join("; ")}</p>
             <p class="note">{t("margin {margin} % after {before} %, cost {cost}", { margin: percent(p.margin), before: percent(p.before), cost: fixed(p.cost, 2) })}{p.survives.map((s) => <small key={s}>{s}</small>)}{p.left.map((s) => <small key={s}>{s}</small>)}</p>
-            <button disabled={Object.keys(p.edits).length === 0} onClick={() => { store.pin(); store.apply(p.edits); }}>{t("apply it, pin what is")}</button>
+            <button disabled={stale || Object.keys(p.edits).length === 0} onClick={() => { store.pin(); store.apply(p.edits); }}>{t("apply it, pin what is")}</button>
           </li>
         ))}
       </ol>
@@ -64,7 +65,7 @@ const unit = (of: string): string => ({ deg: "°", percent: "%" })[of] ?? of;
 const reach = (m: Movable): string => `${number(m.low)} … ${number(m.high)} ${unit(m.unit)}`;
 
 /** Cost against margin: each proposal a point to click on. */
-function Front({ of }: { of: Corrections["proposals"] }) {
+function Front({ of, stale }: { of: Corrections["proposals"]; stale: boolean }) {
   const [costs, margins] = [of.map((p) => p.cost), of.map((p) => p.margin)];
   const most = Math.max(...costs, 1e-9);
   const [low, high] = [Math.min(...margins), Math.max(...margins)];
@@ -74,9 +75,9 @@ function Front({ of }: { of: Corrections["proposals"] }) {
       <text x="310" y="116" text-anchor="end">{t("cost")}</text><text x="4" y="10">{t("margin")}</text>
       {of.map((p, k) => {
         const [x, y] = [36 + (260 * p.cost) / most, 92 - (76 * (p.margin - low)) / (high - low || 1)];
-        const go = (): void => { store.pin(); store.apply(p.edits); };
+        const go = (): void => { if (!stale) [store.pin(), store.apply(p.edits)]; };
         return (
-          <g key={k} role="button" tabindex={0} class={p.verdict} aria-label={`${k + 1}: ${p.moves.join("; ")}`} onClick={go} onKeyDown={(e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); go(); } }}>
+          <g key={k} role="button" tabindex={0} aria-disabled={stale} class={p.verdict} aria-label={`${k + 1}: ${p.moves.join("; ")}`} onClick={go} onKeyDown={(e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); go(); } }}>
             <title>{p.moves.join("; ")}</title><circle cx={x} cy={y} r={7} /><text x={x + 11} y={y + 4}>{k + 1}</text>
           </g>
         );
@@ -150,7 +151,7 @@ function Scatter({ known, shown }: Both) {
   const every = shown.line.movable;
   const [given, give] = useKept<Record<string, string>>(`sigma/${known.file}/${shown.index}`, {});
   const sigma = (m: Movable): string => given[m.id] ?? (m.choice ? "1" : m.free ? pointed(String(SIGMA[m.unit] ?? 1)) : "0");
-  const sigmas = every.map((m) => ({ id: m.id, amount: Math.abs(Number(sigma(m).replace(",", "."))) || 0 })).filter((s) => s.amount > 0);
+  const sigmas = every.map((m) => ({ id: m.id, amount: sigma(m).trim() })).filter((s) => !["", "0"].includes(s.amount));
   const args = { line: shown.index, sigmas, count: 4096 };
   const job = known.jobs.yield as Job<Yield, { yield?: Yield }> | undefined;
   const of = (job?.running ? job.part?.yield : undefined) ?? job?.answer;

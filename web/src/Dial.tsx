@@ -17,28 +17,20 @@ export function Dials({ known, shown }: { known: Known; shown: Shown }) {
   const [chosen, choose] = useState(0);
   const shaft = Math.min(chosen, line.phases.length - 1);
   const phase = line.phases[shaft] ?? 0;
+  const over = t("equivalent angle over the phase of shaft {n}", { n: shaft + 1 });
+  const round = t("speed over the gearbox's, less 1 [%], round the turn [deg]");
   return (
     <Card id="dials" title={t("Yoke phases")} note={t("seen from the gearbox")}>
       <div class="row">{line.phases.map((p, k) => (<Dial key={k} phase={p} address={line.phase_at[k] ?? ""} shaft={k} chosen={k === shaft} held={known.held} choose={() => choose(k)} />))}</div>
       {turn && (
         <div class="curves">
           <Plot
-            x={turn.phases}
-            series={[{ name: t("equivalent angle over the phase of shaft {n}", { n: shaft + 1 }), values: turn.over_phase[shaft] ?? [], colour: 0 }]}
-            degrees
-            unit={t("[deg] over deg")}
-            at={((phase % 180) + 180) % 180}
-            height={130}
-            theme={known.theme}
-            label={t("equivalent angle over the phase of shaft {n}", { n: shaft + 1 })}
+            x={turn.phases} series={[{ name: over, values: turn.over_phase[shaft] ?? [], colour: 0 }]} degrees
+            unit={t("[deg] over deg")} at={((phase % 180) + 180) % 180} height={130} theme={known.theme} label={over}
           />
           <Plot
-            x={turn.theta}
-            series={turn.speed.map((values, k) => ({ name: k === turn.speed.length - 1 ? t("pinion") : t("shaft {n}", { n: k + 1 }), values, colour: k % 6 }))}
-            unit={t("speed over the gearbox's, less 1 [%], round the turn [deg]")}
-            height={150}
-            theme={known.theme}
-            label={t("speed over the gearbox's, less 1 [%], round the turn [deg]")}
+            x={turn.theta} series={turn.speed.map((values, k) => ({ name: k === turn.speed.length - 1 ? t("pinion") : t("shaft {n}", { n: k + 1 }), values, colour: k % 6 }))}
+            unit={round} height={150} theme={known.theme} label={round}
           />
         </div>
       )}

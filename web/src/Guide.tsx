@@ -9,23 +9,12 @@ import type { Guided } from "./types";
 import { useKept } from "./use";
 
 type Cells = Record<string, string>;
-interface Form {
-  title: string;
-  speed: string;
-  torque: string;
-  limits: string;
-  unit: string;
-  axes: string;
-  points: string;
-  members: Cells[];
-  shafts: Cells[];
-}
-
 /** Characters of a pasted table, and of a field: the server takes no more. */
 const MOST = 20_000;
 const FIELD = 200;
 
-const EMPTY: Form = { title: "", speed: "", torque: "", limits: "protractor", unit: "mm", axes: "rear", points: "", members: [{}, {}, {}], shafts: [{}] };
+const EMPTY = { title: "", speed: "", torque: "", limits: "protractor", unit: "mm", axes: "rear", points: "", members: [{}, {}, {}] as Cells[], shafts: [{}] as Cells[] };
+type Form = typeof EMPTY;
 
 export function Guide({ known }: { known: Known }) {
   const [form, set] = useKept<Form>("guide", EMPTY);

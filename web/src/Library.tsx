@@ -22,12 +22,13 @@ export function Library({ known }: { known: Known }) {
   const bare = (s: string): string => s.toLowerCase().normalize("NFKD");
   const shown = rows.filter((r) => bare(`${r.name} ${r.title} ${r.verdict ?? ""} ${r.profile ?? ""}`).includes(bare(wanted)));
   const compare = known.jobs.compare as Job<Compared> | undefined;
+  const asked = { files: ticked.slice(1), file: ticked[0] };
   return (
     <>
       <Card id="library" title={t("Files")} head={
         <>
           <input type="search" data-field="search" aria-label={t("search")} placeholder={t("search")} value={wanted} onInput={(e) => want(e.currentTarget.value)} />
-          <button data-do="compare" disabled={ticked.length < 2 || ticked.length > MOST} onClick={() => store.work("compare", { files: ticked.slice(1) }, "", ticked[0])}>{t("compare what is ticked")}</button>
+          <button data-do="compare" disabled={ticked.length < 2 || ticked.length > MOST} onClick={() => store.work("compare", { files: asked.files }, "", asked.file)}>{t("compare what is ticked")}</button>
           {ticked.length > MOST && <span class="note warn" role="alert">{t("up to {count} files stand side by side: untick some", { count: MOST })}</span>}
           {(job?.running || job?.why) && <span class="note" role="status">{job.why || t("asking …")}</span>}
         </>
@@ -44,9 +45,9 @@ export function Library({ known }: { known: Known }) {
           ))}
         </ul>
       </Card>
-      {ticked.length > 1 && compare?.answer && compare.answer.variants.length === ticked.length && (
+      {compare?.answer && !compare.running && compare.of === store.about(asked, "") && (
         <section class="card" aria-label={t("Variants side by side")}>
-          <Sides of={compare.answer} head={compare.answer.variants.map((v, k) => v.name || rows.find((r) => r.file === ticked[k])?.name || "")} />
+          <Sides of={compare.answer} head={compare.answer.variants.map((v) => plain(v.name))} />
         </section>
       )}
     </>
@@ -102,7 +103,7 @@ function Reports({ known }: { known: Known }) {
           <label>{t("signed by")}<input data-field="by" maxLength={100} value={by} onInput={(e) => sign(e.currentTarget.value)} /></label>
           <label>{t("why")}<input data-field="note" maxLength={300} value={note} onInput={(e) => say(e.currentTarget.value)} /></label>
         </div>
-        <button data-do="freeze" disabled={!by.trim()} onClick={() => store.freeze(by, note)}>{t("freeze what is shown")}</button>
+        <button data-do="freeze" disabled={!by.trim() || known.freezing} onClick={() => store.freeze(by, note)}>{t("freeze what is shown")}</button>
         <ol reversed class="proposals">
           {known.revisions.map((r) => (
             <li key={r.name} value={Number(r.name)}>{r.said} <button class="plain" onClick={() => { store.beside(`${r.name}: ${r.said}`.slice(0, 100), r.text); store.show("variants"); }}>{t("what changed since")}</button></li>

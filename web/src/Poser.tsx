@@ -20,6 +20,9 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
   // A page by itself goes from place to place, and says where it is.
   const travel = (known.fixed ? undefined : known.asked.travel_mm) ?? pose?.travel ?? 0;
   const torque = (winds ? known.asked.torque_Nm : undefined) ?? pose?.torque ?? 0;
+  const braked = pose?.way === "brake";
+  const ways = { drive: t("drive"), coast: t("coast"), reverse: t("reverse"), brake: t("braking") };
+  const slide = (travel_mm: number, torque_Nm: number, brakes = braked): void => store.pose({ line: index, travel_mm, torque_Nm, ...(brakes ? { way: "brake" } : {}) });
   return (
     <Card id="poser" title={t("State")} head={<>{free && known.asked.state === undefined && <span class="note">{t("where the sliders have it")}</span>}{pose?.stuck && <span class="note fail">{pose.stuck}</span>}</>}>
       {live.lines.length > 1 && (
@@ -37,16 +40,17 @@ export function Poser({ known, shown }: { known: Known; shown: Shown }) {
           <Slider
             name={t("Travel")} low={reach[0]} high={reach[1]} step={known.fixed ? (reach[1] - reach[0]) / 40 : 0.5} value={travel} said={`${signed(travel, 1)} mm`}
             ends={[t("rebound"), t("jounce")]}
-            set={(v) => store.pose({ line: index, travel_mm: v, torque_Nm: torque })}
+            set={(v) => slide(v, torque)}
           />
           {winds && (
             <Slider
-              name={t("Torque, winding the axle up")} low={turns[0]} high={turns[1]} step={10} value={torque}
-              said={`${number(torque)} N·m${pose?.at ? `, ${signed(pose.at.pitch ?? 0, 2)}°` : ""}`}
-              ends={[t("coast, reverse"), t("drive")]}
-              set={(v) => store.pose({ line: index, travel_mm: travel, torque_Nm: v })}
+              name={t("Torque, winding the axle up")} low={turns[0]} high={braked ? 0 : turns[1]} step={10} value={torque}
+              said={[`${number(torque)} N·m`, (braked || torque) && pose && ways[pose.way], pose?.at && `${signed(pose.at.pitch ?? 0, 2)}°`].filter(Boolean).join(", ")}
+              ends={braked ? [t("coast"), ""] : [t("coast, reverse"), t("drive")]}
+              set={(v) => slide(travel, v)}
             />
           )}
+          {winds && pose?.brakes && <label class="tick"><input type="checkbox" data-field="brakes" checked={braked} onChange={() => slide(travel, braked ? torque : Math.min(torque, 0), !braked)} /> {t("brakes hold the axle, as far as its tyres do")}</label>}
         </div>
       )}
       {!moves && pose && <p class="note">{t("The file gives no suspension: there is no travel to show.")}</p>}

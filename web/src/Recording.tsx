@@ -55,35 +55,44 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
   const [roles, setRoles] = useKept(`${mine}/roles`, guessed(of));
   const [rules, setRules] = useKept<Record<string, Rule>>(`${mine}/rules`, {});
   const [typed, type] = useKept<Record<string, string>>(`${mine}/typed`, {});
-  const value = (key: string): string => (typed[key] ?? "").trim().replace(",", ".");
+  const value = (key: string): string => (typed[key] ?? "").trim();
+  const seconds = (key: string): number => Number(value(key).replace(/\s/g, "").replace(",", ".")) || 0;
   const named = (role: Channel["role"]): string => of.channels.find((c) => roles[c.name] === role)?.name ?? "";
   const gauges = of.channels.filter((c) => roles[c.name] === "gauge");
-  const ruled = (rule: Rule): string[] => gauges.flatMap((c) => c.suspects.flatMap((s) => [s.kind, ...s.places.map(([a = 0]) => at(s.kind, a))].map((of) => `${c.name}=${of}`))).filter((of) => rules[of] === rule);
-  const sn = ["amplitude", "cycles", "slope"].map(value);
-  const hours = Number(value("hours")) || null;
+  const used = (c: Channel): boolean => roles[c.name] !== "";
+  // A kind before its places: what is said of one of them counts.
+  const ruled = (rule: Rule): string[] => Object.keys(rules).filter((key) => rules[key] === rule && of.channels.some((c) => used(c) && key.startsWith(`${c.name}=`))).sort();
+  // As they were typed: which number that is says who reads those of the forms, or asks.
+  const numbers = Object.fromEntries(["amplitude", "cycles", "slope", "first", "last", "hours", "modulus"].map((key) => [key, value(key)]));
   const args = {
-    gauges: gauges.map((c) => c.name), sn: sn.join(","), speed: named("speed"), tacho: named("tacho"), torque: named("torque"), engine: named("engine"),
-    mask: ruled("mask"), accept: ruled("accept"), first: value("first"), last: value("last"), target_hours: hours,
+    gauges: gauges.map((c) => c.name), speed: named("speed"), tacho: named("tacho"), torque: named("torque"), engine: named("engine"),
+    mask: ruled("mask"), accept: ruled("accept"), zero: typed.zero ?? "none", ...numbers,
   };
   const job = known.jobs.life as Job<Lived> | undefined;
-  const words = roleNames();
+  const [open, opens] = useKept<NonNullable<Lived["open"]>>(`${mine}/open`, []);
+  useEffect(() => opens([...open, ...(job?.answer?.open ?? []).filter((o) => !open.some((was) => was.rule === o.rule))]), [job?.answer]);
+  // Each but a gauge's is one channel's.
+  const become = (name: string, role: Channel["role"]): void => setRoles(Object.fromEntries(Object.entries({ ...roles, [name]: role }).map(([n, r]) => [n, n !== name && r === role && role !== "gauge" ? "" : r])));
   const box = (key: string, label: string, hint = "") => (
     <label>{label}<input data-field={key} inputMode="decimal" placeholder={hint} value={typed[key] ?? ""} onInput={(e) => type({ ...typed, [key]: e.currentTarget.value })} /></label>
   );
-  const [first, last] = [Number(value("first")) || 0, Number(value("last")) || of.seconds];
+  const [first, last] = [seconds("first"), seconds("last") || of.seconds];
   return (
     <div class="columns">
       <div class="left">
-        <Channels of={of} between={[first, last]} rules={rules} gauge={(c) => roles[c.name] === "gauge"} decide={(of, rule) => setRules({ ...rules, [of]: rule })}>
+        <Channels of={of} between={[first, last]} rules={rules} used={used} decide={(of, rule) => setRules({ ...rules, [of]: rule })}>
           {(c) => (
-            <Select label={t("what {channel} is", { channel: c.name })} value={roles[c.name] ?? ""} choose={(role) => setRoles({ ...roles, [c.name]: role as Channel["role"] })} of={Object.entries(words)} />
+            <Select label={t("what {channel} is", { channel: c.name })} value={roles[c.name] ?? ""} choose={(role) => become(c.name, role as Channel["role"])} of={Object.entries(roleNames())} />
           )}
         </Channels>
       </div>
       <div class="right">
-        <Card id="asks" title={t("Life and causes")} head={<Asking job={job} name="life" word={t("ask")} stale={job?.of !== store.about(args, "")} ask={() => store.work("life", args, "")} disabled={!gauges.length || sn.some((v) => !v)} />}>
-          <fieldset class="fields"><legend class="note">{t("S-N curve at the gauge, half failed, at its knee")}</legend>{box("amplitude", t("amplitude [MPa]"))}{box("cycles", t("cycles"), "2e6")}{box("slope", t("slope"), "5")}</fieldset>
-          <fieldset class="fields"><legend class="note">{t("Segment, and what is asked of the life")}</legend>{box("first", t("from [s]"), "0")}{box("last", t("to [s]"), fixed(of.seconds, 0))}{box("hours", t("hours to live"))}</fieldset>
+        <Card id="asks" title={t("Life and causes")} head={<Asking job={job} name="life" word={t("ask")} stale={job?.of !== store.about(args, "")} ask={() => store.work("life", args, "")} disabled={!gauges.length || ["amplitude", "cycles", "slope"].some((key) => !value(key))} />}>
+          <fieldset class="fields"><legend class="note">{t("S-N curve at the gauge, half failed, at its knee")}</legend>{box("amplitude", t("amplitude [MPa]"))}{box("cycles", t("cycles"), "2e6")}{box("slope", t("slope"), "5")}{box("modulus", t("Young's modulus [GPa]"), "206")}</fieldset>
+          <fieldset class="fields"><legend class="note">{t("Segment, and what is asked of the life")}</legend>{box("first", t("from [s]"), "0")}{box("last", t("to [s]"), fixed(of.seconds, 0))}{box("hours", t("hours to live"))}
+            <label>{t("taken off as zero")}<Select data-field="zero" value={typed.zero ?? "none"} choose={(zero) => type({ ...typed, zero })} of={[["none", t("nothing")], ["start", t("the start")], ["median", t("the median")], ["drift", t("a slow drift")]]} /></label>
+          </fieldset>
+          {open.map((o) => <label key={o.rule} class="suspect">{o.said} <Decide of={o.rule} free={t("undecided")} mask={o.mask} rules={rules} decide={(of, rule) => setRules({ ...rules, [of]: rule })} /></label>)}
         </Card>
         {job?.answer && <Answer of={job.answer} known={known} />}
       </div>
@@ -97,19 +106,22 @@ export const roleNames = (): Record<Channel["role"], string> => ({ gauge: t("gau
 const at = (kind: string, a: number): string => `${kind}@${Math.max(0, a - 1e-6).toFixed(6)}..${(a + 1e-6).toFixed(6)}`;
 
 /** Channels over time, and what looks wrong in those of gauges, to be decided. */
-export function Channels(p: { of: Heard; between: [number, number]; rules: Record<string, Rule>; gauge: (c: Channel) => boolean; decide: (of: string, rule: Rule) => void; children: (c: Channel) => ComponentChildren }) {
+/** What something that looks wrong was. */
+const Decide = (p: { of: string; free: string; mask: boolean; rules: Record<string, Rule>; decide: (of: string, rule: Rule) => void }) => (
+  <Select data-rule={p.of} value={p.rules[p.of] ?? ""} choose={(rule) => p.decide(p.of, rule as Rule)} of={[["", p.free], ...(p.mask ? [["mask", t("mask: no part felt it")] as const] : []), ["accept", t("accept: the part felt it")]]} />
+);
+
+export function Channels(p: { of: Heard; between: [number, number]; rules: Record<string, Rule>; used: (c: Channel) => boolean; decide: (of: string, rule: Rule) => void; children: (c: Channel) => ComponentChildren }) {
   const { of, rules } = p;
-  const decide = (key: string, free: string, mask: boolean) => (
-    <Select data-rule={key} value={rules[key] ?? ""} choose={(rule) => p.decide(key, rule as Rule)} of={[["", free], ...(mask ? [["mask", t("mask: no part felt it")] as const] : []), ["accept", t("accept: the part felt it")]]} />
-  );
+  const decide = (key: string, free: string, mask: boolean) => <Decide of={key} free={free} mask={mask} rules={rules} decide={p.decide} />;
   return (
-    <Card id="channels" title={t("Channels")} head={of.left > 0 && <span class="note">{t("{count} more are not shown", { count: of.left })}</span>}>
+    <Card id="channels" title={t("Channels")} head={of.left > 0 && <span class="note">{t("not shown: {count}", { count: of.left })}</span>}>
       <ul>
         {of.channels.map((c) => (
           <li key={c.name}>
             <p><b>{c.name}</b> <span class="note">{c.unit && `[${c.unit}]`} {number(c.low)} … {number(c.high)}</span> {p.children(c)}</p>
-            <Trace of={c} gauge={p.gauge(c)} seconds={of.seconds} between={p.between} rules={rules} />
-            {p.gauge(c) && c.suspects.map((s) => (
+            <Trace of={c} used={p.used(c)} seconds={of.seconds} between={p.between} rules={rules} />
+            {p.used(c) && c.suspects.map((s) => (
               <div key={s.kind}>
                 <label class="suspect">{s.said} × {s.count} {decide(`${c.name}=${s.kind}`, t("undecided"), s.mask)} {s.count === 1 && s.places.map(([a = 0]) => `${fixed(a, 2)} s`)}</label>
                 {s.count > 1 && <details class="note"><summary>{t("one by one")}{s.count > s.places.length && `: ${s.places.length} / ${s.count}`}</summary>{s.places.map(([a = 0, z = 0]) => <label key={a} class="suspect">{fixed(a, 3)} … {fixed(z, 3)} s {decide(`${c.name}=${at(s.kind, a)}`, t("as the others"), s.mask)}</label>)}</details>}
@@ -124,7 +136,7 @@ export function Channels(p: { of: Heard; between: [number, number]; rules: Recor
 }
 
 /** Smallest and largest values over time, with what looks wrong, and what is left out. */
-function Trace({ of, gauge, seconds, between, rules }: { of: Channel; gauge: boolean; seconds: number; between: [number, number]; rules: Record<string, Rule> }) {
+function Trace({ of, used, seconds, between, rules }: { of: Channel; used: boolean; seconds: number; between: [number, number]; rules: Record<string, Rule> }) {
   const n = of.highest.length;
   const [low, high] = [of.low ?? 0, of.high ?? 1];
   const y = (v: number | null | undefined): string => (38 - (36 * ((v ?? low) - low)) / (high - low || 1)).toFixed(1);
@@ -133,7 +145,7 @@ function Trace({ of, gauge, seconds, between, rules }: { of: Channel; gauge: boo
   const path = `M${of.highest.map((_, k) => edge(of.highest, k)).join("L")}L${of.lowest.map((_, k) => edge(of.lowest, n - 1 - k)).join("L")}Z`;
   return (
     <svg class="trace" viewBox="0 0 400 40" preserveAspectRatio="none" role="img" aria-label={t("{channel} over time", { channel: of.name })}>
-      {gauge && of.suspects.flatMap((s) => s.places.map(([a = 0, b = 0]) => <rect key={`${s.kind}${a}`} class={rules[`${of.name}=${at(s.kind, a)}`] || rules[`${of.name}=${s.kind}`] || "open"} x={x(a)} y={0} width={Math.max(1.5, x(b) - x(a))} height={40} />))}
+      {used && of.suspects.flatMap((s) => s.places.map(([a = 0, b = 0]) => <rect key={`${s.kind}${a}`} class={rules[`${of.name}=${at(s.kind, a)}`] || rules[`${of.name}=${s.kind}`] || "open"} x={x(a)} y={0} width={Math.max(1.5, x(b) - x(a))} height={40} />))}
       <path d={path} />
       <rect class="out" x={0} y={0} width={x(Math.max(0, between[0]))} height={40} /><rect class="out" x={x(between[1])} y={0} width={Math.max(0, 400 - x(between[1]))} height={40} />
     </svg>

@@ -1,7 +1,7 @@
 // In place of a server: answers that were computed beforehand, in a page of its own.
 
 import type { Connection } from "./link";
-import type { Full, Live, Pose, PoseAsked, Spot, Told } from "./types";
+import type { Full, Live, Pose, PoseAsked, Said, Spot, Told } from "./types";
 
 interface Kept { welcome: Omit<Extract<Told, { type: "welcome" }>, "type">; live: Live; full: Full; lines: { states: Pose[]; travel: Pose[]; wound: (Spot & { state: number; pose: Pose })[] }[] }
 
@@ -14,12 +14,11 @@ export class Frozen {
 
   open(): void { this.state("open"); }
 
-  say(said: object): void {
-    const m = said as { type: string; id?: number; pose?: PoseAsked };
+  say(m: Said & { pose?: PoseAsked }): void {
     const { welcome, live, full } = this.kept;
     const id = m.id ?? 0;
     if (m.type === "hello") this.told({ type: "welcome", ...welcome });
-    if (m.type === "open") this.told({ type: "opened", file: 0, name: welcome.files[0] ?? "", saved: "", mark: "", draft: null, stale: false, variants: [], revisions: [] });
+    if (m.type === "open") this.told({ type: "opened", file: 0, name: welcome.files[0] ?? "", saved: "", mark: "", draft: null, stale: false, base: "", elsewhere: false, left: 0, variants: [], revisions: [] });
     if (m.type === "ask") this.told({ type: "live", id, text: "", ...live, pose: this.pose({ line: 0, state: live.worst }) });
     if (m.type === "ask") this.told({ type: "full", id, text: "", ...full });
     if (m.type === "pose") this.told({ type: "posed", id, text: "", pose: this.pose(m.pose ?? {}) });

@@ -43,8 +43,8 @@ export const written = (h: History, saved: string, mark: string): History => ({ 
 /** What is on disk: taken over where it is another and nothing is unsaved, else only known of. */
 export function onDisk(h: History, text: string, mark: string): { now: History; conflict: boolean } {
   const known = { ...h, saved: text, mark };
-  // As it was saved or read last: touched, or gone and back.
-  if (text === h.text || text === h.saved || mark === h.mark) return { now: known, conflict: false };
+  // As it was when it was edited, by its mark: touched, or gone and back.
+  if (text === h.text || mark === h.mark) return { now: known, conflict: false };
   if (unsaved(h)) return { now: h, conflict: true };
   return { now: edited(known, text), conflict: false };
 }

@@ -1,6 +1,6 @@
 // The socket: opens, speaks, comes back after a loss. The token came behind the address's #.
 
-import type { Told } from "./types";
+import type { Said, Told } from "./types";
 
 export type Connection = "opening" | "open" | "lost" | "refused";
 
@@ -19,6 +19,7 @@ export function token(): string {
 export class Link {
   private socket: WebSocket | null = null;
   private tries = 0;
+  private longest = Infinity;
 
   constructor(private token: string, private readonly told: (message: Told) => void, private readonly state: (connection: Connection) => void) {}
 
@@ -39,7 +40,10 @@ export class Link {
     socket.onmessage = (event) => {
       const told = JSON.parse(String(event.data)) as Told;
       // A code that let this page in does so once.
-      if (told.type === "welcome") sessionStorage.setItem(KEY, (this.token = told.token));
+      if (told.type === "welcome") {
+        sessionStorage.setItem(KEY, (this.token = told.token));
+        this.longest = told.longest;
+      }
       this.told(told);
     };
     socket.onclose = () => {
@@ -51,5 +55,12 @@ export class Link {
     };
   }
 
-  say(message: object): void { if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message)); }
+  /** What is longer than any message that is read is refused by what it is: all of it would end the socket. */
+  say(message: Said): void {
+    if (this.socket?.readyState !== WebSocket.OPEN) return;
+    const data = JSON.stringify(message);
+    const bytes = 3 * data.length > this.longest ? new Blob([data]).size : 0;
+    const { type, id, job, file, held } = message;
+    this.socket.send(bytes > this.longest ? JSON.stringify({ type, id, job, file, held, bytes }) : data);
+  }
 }

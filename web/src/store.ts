@@ -5,26 +5,19 @@ import { plain, speak } from "./format";
 import { Frozen } from "./frozen";
 import { Link, type Connection, token } from "./link";
 import { learn, t } from "./text";
-import type { Campaign, Catalogue, Drag, Edits, Explained, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Row, Spot, Told } from "./types";
+import type { Campaign, Drag, Edits, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Revision, Row, Spot, Told, Welcome } from "./types";
 
 export interface Selected { row: string; state: number; part: number }
 
 export type Notice =
-  | { kind: "restored" }
+  | { kind: "restored" | "elsewhere"; left: number }
   | { kind: "conflict"; text: string; mark: string }
   | { kind: "reloaded" }
   | { kind: "beside" }
   | { kind: "refused"; why: string };
 
-export interface Known {
+export interface Known extends Welcome {
   connection: Connection;
-  version: string;
-  lang: string;
-  languages: string[];
-  quantities: Record<string, Explained>;
-  catalogue: Catalogue;
-  profiles: string[];
-  files: string[];
   file: number | null;
   history: History.History | null;
   live: Live | null;
@@ -51,7 +44,9 @@ export interface Known {
   /** A recording on its way to the server, or there. */
   parcel: { id: number; name: string; got: number; size: number } | null;
   variants: Named[];
-  revisions: (Named & { said: string })[];
+  revisions: Revision[];
+  /** Whether a revision is being written: what it names may take long to be read. */
+  freezing: boolean;
   /** How often a file that this one names has changed meanwhile: what was answered is of the last. */
   beside: number;
   /** Which variant is drawn behind what is shown. */
@@ -78,7 +73,7 @@ const start: Known = {
   connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
   catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, campaign: null, handles: [],
   full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
-  order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, parcel: null, variants: [], revisions: [],
+  order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, parcel: null, variants: [], revisions: [], freezing: false,
   beside: 0, behind: null,
 };
 
@@ -150,12 +145,15 @@ export class Store {
   private connected(connection: Connection): void {
     this.sent = this.next = null;
     this.commits = [];
-    this.set({ connection, jobs: {}, parcel: null });
+    this.set({ connection, jobs: {}, parcel: null, freezing: false });
     if (connection === "open") {
       const lang = remembered("cardan-lang") ?? navigator.language.slice(0, 2);
-      this.link?.say({ type: "hello", lang });
+      this.link?.say({ type: "hello", lang, was: this.who });
     }
   }
+
+  /** As whom this page keeps what is not saved, apart from other pages. */
+  private who = "";
 
   private told(m: Told): void {
     // What is told of a file that was left meanwhile is not of this one.
@@ -164,6 +162,7 @@ export class Store {
       case "welcome":
         learn(m.texts);
         speak(m.lang);
+        this.who = m.who;
         document.documentElement.lang = m.lang === "pt" ? "pt-BR" : m.lang;
         this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files.map(plain) });
         if (this.known.file !== null) this.rejoin(this.known.file);
@@ -210,11 +209,11 @@ export class Store {
         }
         // What is gone from the disk is as good as never saved.
         if (m.what === "read" && this.known.history) this.set({ history: { ...this.known.history, saved: "" } });
-        this.set({ notice: { kind: "refused", why: faulty(m.why) }, parcel: m.what === "bring" ? null : this.known.parcel });
+        this.set({ notice: { kind: "refused", why: faulty(m.why) }, parcel: m.what === "bring" ? null : this.known.parcel, freezing: this.known.freezing && m.what !== "freeze" });
         break;
       case "brought": return this.brought(m.id, m.got);
       case "frozen":
-        this.set({ revisions: m.revisions });
+        this.set({ revisions: m.revisions, freezing: false });
         break;
       case "files":
         this.set({ files: m.files.map(plain), view: "line" });
@@ -256,7 +255,7 @@ export class Store {
     this.ids += 1;
     for (const job of ["recording", "life"]) this.stop(job);
     const { recording: _, life: __, ...jobs } = this.known.jobs;
-    this.set({ jobs, parcel: { id: this.ids, name: file.name, got: 0, size: file.size } });
+    this.set({ jobs, parcel: { id: this.ids, name: file.name, got: 0, size: file.size }, notice: this.known.notice?.kind === "refused" ? null : this.known.notice });
     this.link?.say({ type: "bring", id: this.ids, name: file.name.slice(-200), size: file.size });
   }
 
@@ -267,6 +266,7 @@ export class Store {
     if (got >= file.size) return;
     const reader = new FileReader();
     reader.onload = () => { if (this.known.parcel?.id === id) this.link?.say({ type: "piece", at: got, data: String(reader.result).split(",")[1] ?? "" }); };
+    reader.onerror = () => this.set({ parcel: null, notice: { kind: "refused", why: t("{file} cannot be read", { file: file.name }) } });
     reader.readAsDataURL(file.slice(got, got + 1_000_000));
   }
 
@@ -295,7 +295,7 @@ export class Store {
 
   beside(name: string, text: string): void {
     const { variants } = this.known;
-    if (variants.length >= 12) return;
+    if (variants.length >= VARIANTS) return this.set({ notice: { kind: "refused", why: t("up to {count} variants are kept: drop one first", { count: VARIANTS }) } });
     this.keepVariants([...variants, { name, text }]);
     this.lay(variants.length);
   }
@@ -303,10 +303,12 @@ export class Store {
   freeze(by: string, note: string): void {
     this.pending?.();
     const { file, history } = this.known;
-    if (history && file !== null) this.link?.say({ type: "freeze", file, text: history.text, by, note });
+    if (!history || file === null) return;
+    this.set({ freezing: true });
+    this.link?.say({ type: "freeze", file, text: history.text, by, note });
   }
 
-  rename(k: number, name: string): void { this.keepVariants(this.known.variants.map((v, i) => (i === k ? { ...v, name } : v))); }
+  rename(k: number, name: string): void { this.keepVariants(this.known.variants.map((v, i) => (i === k ? { ...v, name: name.trim() || v.name } : v))); }
 
   unpin(k: number): void {
     this.lay(null);
@@ -331,7 +333,8 @@ export class Store {
     if (now?.id === id) this.set({ jobs: { ...this.known.jobs, [job]: { ...now, ...change } } });
   }
 
-  show(view: View): void { this.set({ view }); }
+  /** What an editor has not told yet goes with it: it is asked for first. */
+  show(view: View): void { this.pending?.(); this.set({ view }); }
 
   private opened(m: Extract<Told, { type: "opened" }>): void {
     const mine = this.known.history;
@@ -348,12 +351,11 @@ export class Store {
     // Nothing that was under way is of this document.
     this.sent = this.next = this.gesture = null;
     this.commits = [];
-    const history = History.opened(m.saved, m.mark, m.draft);
-    let notice: Notice | null = null;
-    if (m.draft !== null) notice = { kind: "restored" };
-    if (m.draft !== null && m.stale) notice = { kind: "conflict", text: m.saved, mark: m.mark };
+    // What was edited from another text is still that: it is not saved over this one unasked.
+    const history = History.opened(m.saved, m.stale ? m.base : m.mark, m.draft);
+    const restored: Notice = m.stale ? { kind: "conflict", text: m.saved, mark: m.mark } : { kind: m.elsewhere ? "elsewhere" : "restored", left: m.left };
     this.set({
-      file: m.file, history, notice, live: null, campaign: null, full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, selected: null, order: [], held: null, behind: null,
+      file: m.file, history, notice: m.draft === null ? null : restored, live: null, campaign: null, full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, selected: null, order: [], held: null, behind: null,
       jobs: Object.fromEntries(Object.entries(this.known.jobs).filter(([job]) => job === "recording" || job === "life")),
       variants: m.variants, revisions: m.revisions,
     });
@@ -726,6 +728,8 @@ export const placed = (p: Problem): string => [p.key, p.message].filter(Boolean)
 /** Why nobody answered, in words. */
 const faulty = (of: string): string =>
   ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up: ask for less, or run its command in a shell"), "too many": t("too much is asked at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("who was asked has ended: ask again"), "too much work": t("it has used half an hour of processors, as much as an answer may: ask for less, or run its command in a shell"), MemoryError: t("it needs more memory than it may have: ask for less") })[of] ?? of;
+
+const VARIANTS = 12;
 
 /** What a grade weighs against margins. */
 const GRADE = 1e6;

@@ -1,37 +1,21 @@
 // What the page is told and what it says; the shapes of answers are made from their schema.
 
-import type { Campaign, Catalogue, Edits, Explained, Full, Help, Kind, Line, Live, Named, Obstacle, Point, Pose, Problem, Row, Spot } from "../made/types";
+import type { Campaign, Catalogue, Edits, Explained, Full, Help, Kind, Line, Live, Named, Obstacle, Point, Pose, Problem, Row, Way } from "../made/types";
 
 export type * from "../made/types";
 
 interface Answered { id: number; text?: string; problems?: Problem[]; fault?: string }
 
+/** What is known of the server before any file is opened. */
+export interface Welcome { version: string; lang: string; languages: string[]; quantities: Record<string, Explained>; catalogue: Catalogue; profiles: string[]; files: string[] }
+
+export type Revision = Named & { said: string };
+
 export type Told =
-  | {
-      type: "welcome";
-      version: string;
-      token: string;
-      lang: string;
-      languages: string[];
-      texts: Record<string, string>;
-      quantities: Record<string, Explained>;
-      catalogue: Catalogue;
-      profiles: string[];
-      files: string[];
-    }
+  | ({ type: "welcome"; token: string; who: string; longest: number; texts: Record<string, string> } & Welcome)
   | { type: "files"; files: string[] }
-  | { type: "frozen"; file: number; revisions: (Named & { said: string })[] }
-  | {
-      type: "opened";
-      file: number;
-      name: string;
-      saved: string;
-      mark: string;
-      draft: string | null;
-      stale: boolean;
-      variants: Named[];
-      revisions: (Named & { said: string })[];
-    }
+  | { type: "frozen"; file: number; revisions: Revision[] }
+  | { type: "opened"; file: number; name: string; saved: string; mark: string; draft: string | null; stale: boolean; base: string; elsewhere: boolean; left: number; variants: Named[]; revisions: Revision[] }
   | ({ type: "live"; edits?: Edits; campaign?: Campaign } & Answered & Partial<Live>)
   | ({ type: "moved"; lines?: (Pick<Line, "name"> & Partial<Line>)[]; obstacles?: Obstacle[]; pose?: Pose } & Answered)
   | ({ type: "graded"; limits?: Pick<Row, "id" | "values" | "margins" | "grades">[]; grade?: Live["grade"] } & Answered)
@@ -47,8 +31,10 @@ export type Told =
   | { type: "beside"; file: number }
   | { type: "refused"; what: string; file: number; why: string };
 
+export interface Said { type: string; id?: number; job?: string; file?: number; held?: boolean; [more: string]: unknown }
+
 export interface Drag { kind: Kind; number: number; line: string; by_mm: Point }
 
-export interface PoseAsked { line?: number; state?: number; travel_mm?: number; torque_Nm?: number; way?: Spot["way"] }
+export interface PoseAsked { line?: number; state?: number; travel_mm?: number; torque_Nm?: number; way?: Way }
 
 export interface Question { text: string; drag?: Drag; edits?: Edits; held?: boolean; pose?: PoseAsked; want?: ("curves" | "turn")[] }

@@ -64,7 +64,7 @@ export function colour(name: string): string {
   return getComputedStyle(probe).color;
 }
 
-export type Hand = Record<"onPointerDown" | "onPointerMove" | "onPointerUp" | "onPointerCancel", (e: PointerEvent) => void> & { onKeyDown: (e: KeyboardEvent) => void; onBlur: () => void };
+export type Hand = Record<"onPointerDown" | "onPointerMove" | "onPointerUp" | "onPointerCancel", (e: PointerEvent) => void> & { onKeyDown: (e: KeyboardEvent) => void; onBlur: () => void; onTouchStart: (e: TouchEvent) => void };
 
 /** Steps of the keys, in millimetres or degrees. */
 const STEPS = { fine: 0.1, one: 1, page: 10 };
@@ -137,6 +137,8 @@ export function useHand(of: {
       latest.current.stepped(now.right, now.up);
     },
     onBlur: rest,
+    // `touch-action` does not hold for what lies in a drawing: the page would scroll, and take the hand away.
+    onTouchStart: (e) => e.preventDefault(),
   });
   return hand.current;
 }

@@ -69,6 +69,8 @@ describe("a file that another program writes", () => {
     const mine = edited(start, "b");
     expect(onDisk(mine, "a", "m")).toEqual({ now: mine, conflict: false });
     expect(onDisk({ ...mine, saved: "" }, "a", "m")).toEqual({ now: mine, conflict: false });
+    // A draft of another text than the file's stays one, however often that is looked at.
+    expect(onDisk(opened("a", "older", "d"), "a", "m").conflict).toBe(true);
   });
 
   it("is no conflict where both say the same", () => {

@@ -425,3 +425,34 @@ describe("a job", () => {
     expect(socket.said).toMatchObject([{ type: "job", text: "b" }]);
   });
 });
+
+describe("what is more than is taken", () => {
+  const welcome = { type: "welcome", token: "t", who: "w", longest: 50, texts: {}, lang: "en", languages: [], quantities: {}, catalogue: {}, profiles: [], files: [] };
+
+  it("stands for itself by its size, so that the server can refuse it and stays", () => {
+    socket.tell(welcome);
+    socket.said = [];
+    store.work("map", { x: "y".repeat(100) }, "text");
+    expect(socket.said).toMatchObject([{ type: "job", job: "map", bytes: expect.any(Number) }]);
+    expect(socket.said[0]).not.toHaveProperty("text");
+    socket.tell({ type: "done", id: socket.said[0]?.id, job: "map", fault: "too long a text" });
+    expect(store.known.jobs.map).toMatchObject({ running: false, why: "too long a text" });
+  });
+
+  it("is said of the thirteenth variant, which is not kept in silence", () => {
+    socket.tell({ type: "opened", file: 0, name: "a.yaml", saved: "a", mark: "m", draft: null, stale: false, variants: [], revisions: [] });
+    for (let k = 0; k < 13; k++) store.beside(`${k}`, "x");
+    expect(store.known.variants).toHaveLength(12);
+    expect(store.known.notice).toMatchObject({ kind: "refused" });
+    store.rename(0, "  ");
+    expect(store.known.variants[0]?.name).toBe("0");
+  });
+
+  it("comes back as who it was", () => {
+    socket.tell(welcome);
+    socket.onclose?.();
+    vi.advanceTimersByTime(5000);
+    Socket.last.onopen?.();
+    expect(Socket.last.said).toMatchObject([{ type: "hello", was: "w" }]);
+  });
+});

@@ -108,6 +108,10 @@ class Beside:
         """Return whether the file is still what it was."""
         return stamp(self.path) == self.stamp
 
+    def stands(self, at: str) -> bool:
+        """Return whether it is named at an address, or in a list there."""
+        return at == self.at or at.startswith(f"{self.at}[")
+
 
 @dataclass
 class Reading:

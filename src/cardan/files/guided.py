@@ -8,7 +8,7 @@ from typing import Any
 
 from cardan.base.errors import BadFile, Problem
 from cardan.files.manuscript import token
-from cardan.files.pasted import hardpoints, number, readings
+from cardan.files.pasted import entered, hardpoints
 
 NAME = "form"
 
@@ -34,8 +34,8 @@ def drafted(form: Form, *, decimal: str = ".") -> str:
         shafts and their lengths; its x goes to the rear and its y to the right, or ahead and
         to the left where `axes` is "front".
     decimal
-        What the language of the form writes before decimals. Where that is a comma, a point
-        before three digits may be one of thousands: nobody guesses, both readings are named.
+        What the language of the form writes before decimals. The other sign before three
+        digits may be one of thousands: nobody guesses, both readings are named.
 
     Raises
     ------
@@ -99,7 +99,7 @@ class _Reader:
 
     def points(self, pasted: str, members: list[Form], shafts: int) -> Iterator[str]:
         try:
-            rows = hardpoints(pasted)
+            rows = hardpoints(pasted, unit=self.unit)
         except BadFile as error:
             self.problems += error.problems
             return
@@ -140,14 +140,11 @@ class _Reader:
             if needed:
                 self.wrong(key, "give a number", "")
             return "0" if needed else None
-        if self.decimal == "," and (either := readings(typed)):
-            self.wrong(key, "decimals or thousands? write {} or {}".format(*either), typed)
+        try:
+            return f"{entered(typed, decimal=self.decimal):.10g}"
+        except ValueError as error:
+            self.wrong(key, str(error), typed[:40])
             return "0"
-        value = number(typed)
-        if value is None:
-            self.wrong(key, "is no number", typed[:40])
-            return "0"
-        return f"{value:.10g}"
 
     def wrong(self, key: str, message: str, value: str) -> None:
         self.problems.append(Problem(message=message, key=key, value=value))

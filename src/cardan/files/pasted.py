@@ -7,9 +7,10 @@ from cardan.base.errors import BadFile, Problem
 _GROUPED = re.compile(r"(?<=\d)[\s'\u00a0\u202f](?=\d{3}(?!\d))")
 _NUMBER = re.compile(r"[-+\u2212]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d{1,2})?")
 _CELLS = re.compile(r"\t|;|\|")
+_UNIT = re.compile(r"[\[(]\s*(mm|cm|m|in|ft)\s*[\])]", re.IGNORECASE)
 _AXIS = re.compile(r"([xyz])(?:[\W_].*)?")
 
-_EITHER = re.compile(r"[-+\u2212]?[1-9]\d{0,2}\.\d{3}")
+_EITHER = re.compile(r"[-+\u2212]?[1-9]\d{0,2}[.,]\d{3}")
 
 NAME = "points"
 
@@ -35,26 +36,49 @@ def number(said: str) -> float | None:
     return float(bare.replace(",", ".").replace("\u2212", "-"))
 
 
-def readings(said: str) -> tuple[str, str] | None:
-    """Return both readings of a number where decimals stand after a comma; None if it has one.
+def readings(said: str, *, decimal: str) -> tuple[str, str] | None:
+    """Return both readings of a number with the sign that is not the decimal; None if it has one.
 
-    Who writes 3,5 sets thousands apart with a point, and may have typed a point for a comma.
+    Who writes 3,5 sets thousands apart with a point, and may have typed a point for a comma; who
+    writes 3.5 the other way round.
 
-    >>> readings("8.000"), readings("0.125"), readings("2.5")
-    (('8,000', '8000'), None, None)
+    >>> readings("8.000", decimal=","), readings("8,000", decimal=".")
+    (('8,000', '8000'), ('8.000', '8000'))
+    >>> readings("8.000", decimal="."), readings("0.125", decimal=","), readings("2.5", decimal=",")
+    (None, None, None)
     """
     bare = said.strip().removesuffix("°").strip()
-    if not _EITHER.fullmatch(bare):
+    other = "." if decimal == "," else ","
+    if other not in bare or not _EITHER.fullmatch(bare):
         return None
-    return bare.replace(".", ","), bare.replace(".", "")
+    return bare.replace(other, decimal), bare.replace(other, "")
 
 
-def hardpoints(pasted: str) -> tuple[tuple[float, float, float], ...]:
+def entered(said: str, *, decimal: str) -> float:
+    """Return the number that stands in a field, in a language that writes `decimal`.
+
+    Raises
+    ------
+    ValueError
+        If there is none, or may be another: nobody guesses, both readings are named.
+    """
+    if either := readings(said, decimal=decimal):
+        msg = "decimals or thousands? write {} or {}".format(*either)
+        raise ValueError(msg)
+    value = number(said)
+    if value is None:
+        msg = "is no number"
+        raise ValueError(msg)
+    return value
+
+
+def hardpoints(pasted: str, *, unit: str = "") -> tuple[tuple[float, float, float], ...]:
     """Return the rows of a table of points as a spreadsheet copies it, x, y and z of each.
 
     Rows without a number are headings. Where one names x, y and z, they are its columns; else
     they are the last three, and a name may stand before them. A cell that is empty in one row
-    alone is a number that is missing: nothing moves up into its place.
+    alone is a number that is missing: nothing moves up into its place. A heading that says
+    another unit than `unit`, where one was chosen, is not passed over.
 
     Raises
     ------
@@ -69,6 +93,12 @@ def hardpoints(pasted: str) -> tuple[tuple[float, float, float], ...]:
     for line, (row, cells) in enumerate(zip(rows, table, strict=True), 1):
         said = " ".join(row.split())[:40]
         if not _numbered(cells):
+            named = _UNIT.search(row)
+            if unit and named and named[1].lower() != unit:
+                message = f"the heading says {named[1]}, and {unit} was chosen"
+                raise BadFile(
+                    NAME, (Problem(message=message, key=f"row {line}", value=said, line=line),)
+                )
             axes = {axis: k for k, c in enumerate(cells) if (axis := _axis(c))}
             if axes and (len(axes) != 3 or sum(map(bool, map(_axis, cells))) != 3):
                 message = "a heading names x, y and z, each once"

@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.part import Point
-from cardan.demand.states import demand, demand_under, resolve
+from cardan.demand.points import Direction
+from cardan.demand.states import Demand, demand, demand_under, pitch_under, resolve
 from cardan.model.application import Application, Installed, State
 from cardan.model.vehicle import SuspensionState
 from cardan.quantity.response import Response, respond
@@ -31,10 +32,13 @@ class Reach:
     torque : N m
         Most in reverse or coast, below 0, and in drive, of its states and operating points;
         (0, 0) where no torque winds the axle up.
+    brakes
+        Whether it is known what brakes make of the axle.
     """
 
     travel: tuple[float, float]
     torque: tuple[float, float]
+    brakes: bool = False
 
 
 def reach(response: Response) -> Reach:
@@ -56,7 +60,10 @@ def reach(response: Response) -> Reach:
             may.append(np.ravel(response.spread.spots.torque))
     every = np.concatenate(may)
     torque = float(np.nanmin(every)), float(np.nanmax(every))
-    return Reach(travel=(min(travels), max(travels)), torque=torque)
+    still = np.zeros((1, len(asked.states)))
+    held = pitch_under(asked, still, coasts=True, brakes=True)
+    braked = winds(response) and bool(np.any(held != pitch_under(asked, still)))
+    return Reach(travel=(min(travels), max(travels)), torque=torque, brakes=braked)
 
 
 def winds(response: Response) -> bool:
@@ -78,7 +85,12 @@ def under(response: Response, point: Point) -> Response:
 
 
 def ride(
-    application: Application, installed: Installed, *, travel: ArrayLike, torque: ArrayLike
+    application: Application,
+    installed: Installed,
+    *,
+    travel: ArrayLike,
+    torque: ArrayLike,
+    brakes: bool = False,
 ) -> Response:
     """Return the response of a line with its axle at heights, under torques.
 
@@ -88,6 +100,8 @@ def ride(
         Rise of the axle from the reference state.
     torque : (N,) N m
         Of the line; negative holds back, and more than coasting can is driven in reverse.
+    brakes
+        Whether brakes hold the axle as well, to what its tyres take: then no torque drives it.
 
     Returns
     -------
@@ -107,10 +121,22 @@ def ride(
         states=tuple(State(name=f"{k}", travel=float(h)) for k, h in enumerate(heights, 1)),
     )
     asked = demand(resolve(at, installed))
-    wound: FloatArray = turned[None]
-    reverses = wound < -asked.coast_torque * (1 + 1e-6)  # false where nobody knows
+    wound: FloatArray = (np.minimum(turned, 0.0) if brakes else turned)[None]
+    coasts = brakes | ((wound < 0) & ~_reverses(wound, asked))
     under = demand_under(
-        asked, torque=wound, speed=asked.speed, coasts=(wound < 0) & ~reverses
+        asked, torque=wound, speed=asked.speed, coasts=coasts, brakes=brakes
     )  # points of its own come first: here there is one
     layout = under.layout[0]
     return respond(at, asked, lay=lambda _: layout)
+
+
+def way(response: Response, torque: float) -> Direction:
+    """Return how a line is turned that a torque stands for in `ride`, without brakes."""
+    if torque >= 0:
+        return "drive"
+    return "reverse" if np.any(_reverses(np.asarray(torque), response.demand)) else "coast"
+
+
+def _reverses(torque: FloatArray, asked: Demand) -> BoolArray:
+    """Return where a torque is more than coasting can hold; nowhere where nobody knows."""
+    return torque < -asked.coast_torque * (1 + 1e-6)

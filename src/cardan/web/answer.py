@@ -37,9 +37,9 @@ from cardan.study.approval import approve
 from cardan.study.drag import KINDS, STUB, Handle, dragged, handles
 from cardan.study.driveline import Asked, asked, check
 from cardan.study.finding import DRIVELINE
-from cardan.study.ride import Reach, ride, under, winds
+from cardan.study.ride import Reach, ride, under, way, winds
 from cardan.study.sensitivity import Effect, Sensitivity, sensitivities
-from cardan.web import changes, guides, heard, library, limits, script, seated, speeds
+from cardan.web import changes, guides, heard, library, limits, revisions, script, seated, speeds
 from cardan.web.changes import AT_ONCE, SOUGHT
 from cardan.web.document import Document, Json, Tell, document, f, fs, g, gs, here, other
 
@@ -56,7 +56,8 @@ GRADE = 1e6
 SEEN = 40
 """Entries that are written otherwise and tried one by one: more of them show somewhere."""
 
-WOUND = ("windup", "windup brake")
+BRAKED = "windup brake"
+WOUND = ("windup", BRAKED)
 """Kinds of states that stand as their torque winds the axle up; others stand without."""
 
 HELD = ("held", "graded")
@@ -284,17 +285,27 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     otherwise, and the lives of those that have been asked.
     """
     given = args.get("variants", [])
-    named = [("", read), *((v["name"], document(v["text"], v["name"], read.folder)) for v in given)]
+    first = "" if args.get("same", True) else read.name
+    named = [
+        (first, read),
+        *((v["name"], document(v["text"], v["name"], read.folder)) for v in given),
+    ]
     texts = [one.manuscript for _, one in named]
     every = dict.fromkeys(at for of in texts for at in of.addresses)
     rows = ((at, [of.written(at) or "-" for of in texts]) for at in every)
-    written = [{"name": at, "values": said} for at, said in rows if len(set(said)) > 1]
+    written = {at: said for at, said in rows if len(set(said)) > 1}
+    beside = {at: [one.named(at) for _, one in named] for at in written}
+    beside = {at: of for at, of in beside.items() if all(of)}
+    contents = [row for at, of in beside.items() for row in _contents(at, written[at], of, say)]
     if read.recordings:
         lives: list[dict[str, str]] = args.get("lives", [])
         gauges = dict.fromkeys(gauge for life in lives for gauge in life)
         return {
             "variants": [{"name": name, "verdict": None, "counted": {}} for name, _ in named],
-            "differences": written,
+            "differences": [
+                *({"name": at, "values": of} for at, of in written.items() if at not in beside),
+                *contents,
+            ],
             "effects": [
                 {
                     "name": f"{gauge}: {say('hours to failure')}",
@@ -317,13 +328,15 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
             for v in found
         ],
         "differences": [
-            *({"name": d.name, "values": d.values} for d in differences(found, say)),
             *(
-                row for row in written[:SEEN]
-                if args.get("same", True)
-                and not _alike([one for _, one in named], str(row["name"]))
-                and _hidden(read, row, say)
+                {"name": d.name, "values": d.values} for d in differences(found, say)
+                if d.name.rpartition(": ")[2] not in beside
             ),
+            *(
+                {"name": at, "values": of} for at, of in islice(written.items(), SEEN)
+                if args.get("same", True) and at not in beside and _hidden(read, at, of, say)
+            ),
+            *contents,
         ],
         "effects": [
             {"name": e.name, "values": e.values, "grades": e.grades} for e in effects(found, say)
@@ -331,28 +344,34 @@ def _compare(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     }  # fmt: skip
 
 
-def _alike(read: list[Document], at: str) -> bool:
-    """Return whether texts name files with the same contents at an address, as revisions do."""
-    found: list[bytes] = []
-    for one in read:
-        named = {b.name: b.path for b in one.beside if at == b.at or at.startswith(f"{b.at}[")}
-        path = named.get(one.manuscript.written(at))
-        if path is None:
-            return False
-        with suppress(OSError):
-            found.append(path.read_bytes())
-    return len(found) == len(read) and len(set(found)) == 1
+def _contents(at: str, said: list[str], paths: list[list[Path]], say: Language) -> Iterator[Json]:
+    """Give the row of a file that texts name at an address, where it is not the same one.
+
+    One that a revision keeps counts as it was when that was frozen.
+    """
+    holds = {tuple(map(revisions.kept, of)) for of in paths}
+    if len(holds) > 1 or None in next(iter(holds)):
+        values = [_now(text, of[0], say) for text, of in zip(said, paths, strict=True)]
+        yield {"name": say("{key}: other contents", key=at), "values": values}
 
 
-def _hidden(read: Document, row: Json, say: Language) -> bool:
+def _now(said: str, path: Path, say: Language) -> str:
+    """Return how a file is called, and whether it is there as it was when it was frozen."""
+    now = revisions.held(path)
+    if now is None:
+        return say("{file}: is no longer there", file=said)
+    return said if now == revisions.kept(path) else say("{file}: overwritten since", file=said)
+
+
+def _hidden(read: Document, at: str, written: list[str], say: Language) -> bool:
     """Return whether inputs stay as they are where one entry is as others write it.
 
     What cannot be another by itself comes with others, which show.
     """
     tried: list[bool] = []
-    for value in {*row["values"]} - {"-", read.manuscript.written(row["name"])}:
+    for value in {*written} - {"-", read.manuscript.written(at)}:
         with suppress(CardanError):
-            text = read.manuscript.with_({row["name"]: Raw(value)})
+            text = read.manuscript.with_({at: Raw(value)})
             other = files.loads(text, name=read.name, folder=read.folder, warn=False)
             tried.append(inputs(other, say) == inputs(read.application, say))
     return bool(tried) and all(tried)
@@ -643,25 +662,30 @@ def _posed(read: Document, question: Json, say: Language) -> Json:
     # A state stands unwound, but for one that is wound up by its torque.
     own = float(np.nan_to_num(r.demand.torque[s])) if r.kinds[s] in WOUND and not free else 0.0
     turned = float(np.clip(own if torque is None else torque, *reaches.torque))
+    braked = asked_for.get("way") == "brake" and reaches.brakes if free else r.kinds[s] == BRAKED
+    turned = min(turned, 0.0) if braked else turned
     posed: Json = {
         "line": place_,
         "state": None if free else s,
         "travel": f(height / mm, 2),
         "torque": f(turned, 0),
+        "way": "brake" if braked else way(r, turned),
+        "brakes": reaches.brakes,
         "travel_reach": [f(t / mm, 1) for t in reaches.travel],
         "torque_reach": [f(t, 0) for t in reaches.torque],
     }
     shown, k = r, s
     try:
         if free:
-            if (way := asked_for.get("way")) and travel is None:
-                shown, k = under(r, Point("", way, 0.0, turned)), s
+            if asked_for.get("way") and travel is None:
+                posed["way"] = asked_for["way"]
+                shown, k = under(r, Point("", posed["way"], 0.0, turned)), s
             else:
-                installed = r.demand.installed
-                shown, k = ride(read.application, installed, travel=[height], torque=turned), 0
+                app, of = read.application, r.demand.installed
+                shown, k = ride(app, of, travel=[height], torque=turned, brakes=braked), 0
             posed["at"] = _place(shown, k, r)
         if "curves" in wanted:
-            posed |= _curves(read, r, reaches, height, turned)
+            posed |= _curves(read, r, reaches, height, turned, brakes=braked)
     except DesignError as error:
         posed["stuck"] = say.error(str(error))
         shown, k = r, s
@@ -689,17 +713,20 @@ def _place(r: Response, s: int, base: Response) -> Json:
     }
 
 
-def _curves(read: Document, r: Response, of: Reach, height: float, torque: float) -> Json:
+def _curves(
+    read: Document, r: Response, of: Reach, height: float, torque: float, *, brakes: bool
+) -> Json:
     """Return what follows each slider while the other stays."""
     app, installed = read.application, r.demand.installed
     found: Json = {}
-    for name, ends, unit in (("travel", of.travel, mm), ("torque", of.torque, 1.0)):
+    most = min(of.torque[1], 0.0) if brakes else of.torque[1]
+    for name, ends, unit in (("travel", of.travel, mm), ("torque", (of.torque[0], most), 1.0)):
         if not ends[1] > ends[0]:
             continue
         along = np.linspace(*ends, RIDE)
         at = {"travel": height, "torque": torque} | {name: along}
         over = ride(app, installed, travel=np.broadcast_to(at["travel"], along.shape),
-                    torque=at["torque"])  # fmt: skip
+                    torque=at["torque"], brakes=brakes)  # fmt: skip
         clear = over.clearances.min(axis=(-1, -2)) if over.obstacles else None
         found[f"over_{name}"] = {
             "x": fs(along / unit, 1),

@@ -9,6 +9,7 @@ import numpy as np
 from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import CardanError
 from cardan.base.verdict import GRADES, VERDICTS, Unanswered
+from cardan.files.pasted import entered
 from cardan.files.placing import Changes, mounted, phased, placed
 from cardan.model.application import Adjustable
 from cardan.model.movable import MOVABLES
@@ -279,11 +280,11 @@ def tolerated(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return the share that may be built where moves scatter, told as it becomes surer."""
     r = _response(read, args)
     every, called = {_id(a): a for a in movables(r)}, _names(read)
+    amounts = ((every.get(row["id"]), row["amount"]) for row in args.get("sigmas", []))
     sigmas: dict[str, Spread] = {
-        called[a.line, a.what, a.part]: {"normal": row["amount"]}
-        for row in args.get("sigmas", [])
-        if (a := every.get(row["id"])) and row["amount"] > 0
-    }
+        called[a.line, a.what, a.part]: {"normal": amount}
+        for a, typed in amounts if a and (amount := _sigma(typed, a, say)) > 0
+    }  # fmt: skip
     if not sigmas:
         return {"count": 0}
     bench = _bench(read, sought=args.get("sought") is True, tolerances=sigmas)
@@ -310,6 +311,19 @@ def tolerated(read: Document, args: Json, say: Language, tell: Tell) -> Json:
         told["commands"] = commands
         tell({"yield": told, "done": start + rows.count, "of": count})
     return told
+
+
+def _sigma(typed: str, of: Adjustable, say: Language) -> float:
+    """Return a standard deviation that was typed; what is left empty does not scatter."""
+    try:
+        found = entered(typed, decimal=say.decimal) if typed.strip() else 0.0
+        if found < 0:
+            msg = "must be 0 or more"
+            raise ValueError(msg)
+    except ValueError as error:
+        msg = f"{moves(of, say)}: {say.error(str(error))}, {typed!r}"
+        raise CardanError(msg) from None
+    return found
 
 
 def _yield(of: IntArray, margins: FloatArray, lost: Counter[str]) -> Json:

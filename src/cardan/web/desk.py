@@ -8,29 +8,28 @@ A browser names a file by its number here, never by a path.
 import json
 import os
 import re
+import secrets
 import unicodedata
 from contextlib import suppress
 from dataclasses import dataclass
-from datetime import date
+from datetime import datetime
 from hashlib import sha256
 from pathlib import Path
-from shutil import rmtree
 from typing import Any
 
-from cardan import files
 from cardan.base.errors import BadFile, CardanError, Problem
-from cardan.border.document import text_of, visible
-from cardan.border.table import Beside, Stamp, stamp
-from cardan.border.writer import encoded, write
-from cardan.files import campaign
-from cardan.files.manuscript import Manuscript
+from cardan.border.document import text_of
+from cardan.border.table import Stamp, stamp
+from cardan.border.writer import write
+from cardan.web import revisions
+from cardan.web.jobs import VARIANTS
 
-HEAVIEST = 64_000_000
-"""Bytes of the files that a revision keeps copies of."""
 _END = re.compile(r"\r\n|\r|\n")
 MOST = 500
 """Files of a folder that are listed."""
 ENDS = (".yaml", ".yml")
+_NAME = re.compile("[0-9a-f]{16}")
+"""As what somebody keeps drafts."""
 
 
 def mark(text: str) -> str:
@@ -118,8 +117,10 @@ class Desk:
 
     def __init__(self, opened: Path, *, drafts: Path | None = None) -> None:
         self.drafts = drafts or draft_folder()
-        self._keepers: dict[int, object] = {}
-        """Who keeps the draft of a file, and is there still."""
+        self._there = set[str]()
+        """Who keeps drafts, each his own, and is there still."""
+        self._left: dict[tuple[int, str], list[Path]] = {}
+        """Drafts that others left, by the file and by whom they were seen among its variants."""
         path = Path(os.path.realpath(opened))
         if path.is_dir():
             self.folder: Path = path
@@ -132,19 +133,53 @@ class Desk:
             found, self.folder = [path], path.parent
         self.papers = [Paper(path=p, name=p.name) for p in found]
 
-    def open(self, number: int) -> dict[str, Any]:
-        """Return a file's text, and its draft where there is one."""
+    def enter(self, was: str = "") -> str:
+        """Return as whom a page keeps drafts: as before, unless somebody else is that by now."""
+        known = _NAME.fullmatch(was) and was not in self._there
+        who = was if known else secrets.token_hex(8)
+        self._there.add(who)
+        return who
+
+    def leave(self, by: str) -> None:
+        """Leave drafts behind, to whoever comes next."""
+        self._there.discard(by)
+
+    def open(
+        self, number: int, *, by: str = "", back: bool = False, word: str = ""
+    ) -> dict[str, Any]:
+        """Return a file's text, and what was not saved of it by those who went.
+
+        The last such draft is theirs `by` whom it is opened from now on; the others stand among
+        the variants, each by a `word` and when it was kept. Who comes `back` has a text already.
+        Where nobody left any, the last of somebody who is there is shown.
+        """
         paper = self.papers[number]
         text = paper.read()
-        draft = self._draft(paper)
+        drafts = [d for d in self._drafts(paper) if d["text"] != text]
+        left = [d for d in drafts if d["by"] not in self._there and d["by"] != by]
+        mine = next((d for d in drafts if d["by"] == by), None)
+        if mine is None and left and not back:
+            mine = left.pop(0)
+            mine["path"].replace(self._place(paper, by))
+        draft = mine or next(iter(drafts), None)
+        variants = self._variants(paper)
+        pinned = {v["text"] for v in variants}
+        new = [d for d in left if d["text"] not in pinned and draft and d["text"] != draft["text"]]
+        new = new[: VARIANTS - len(variants)]
+        variants += ({"name": f"{word} {d['when']}".strip(), "text": d["text"]} for d in new)
+        shown = {v["text"] for v in variants}
+        self._left[number, by] = [d["path"] for d in left if d["text"] in shown]
         return {
             "file": number,
             "name": paper.name,
             "saved": text,
             "mark": mark(text),
-            "draft": draft["text"] if draft and draft["text"] != text else None,
+            "draft": draft["text"] if draft else None,
             "stale": bool(draft and draft["mark"] != mark(text)),
-            "variants": self._variants(paper),
+            "base": str(draft["mark"]) if draft else "",
+            "elsewhere": draft is not None and draft is not mine,
+            "left": len(new),
+            "variants": variants,
             "revisions": self.revisions(number),
         }
 
@@ -153,121 +188,31 @@ class Desk:
         found: list[dict[str, Any]] = []
         for number, paper in enumerate(self.papers):
             with suppress(CardanError):
-                saved, draft = paper.read(), self._draft(paper)
-                text = draft["text"] if draft else saved
+                saved, drafts = paper.read(), self._drafts(paper)
+                text = drafts[0]["text"] if drafts else saved
                 found.append(
                     {"file": number, "name": paper.name, "text": text, "draft": text != saved}
                 )
         return found
 
-    # ------------------------------------------------------------------ revisions
-
     def freeze(self, number: int, text: str, *, by: str, note: str) -> list[dict[str, str]]:
-        """Keep a text as a revision that nothing writes over, and return all of them.
-
-        It lies in the folder `revisions` beside the file, headed by who froze it and when. What
-        an application names of the folder is copied beside it, so that it says for good what
-        it said.
-        """
-        paper, folder = self.papers[number], self.folder / "revisions"
-        folder.mkdir(exist_ok=True)
-        if not self._inside(folder):
-            problem = Problem(message="revisions is a link that leads out of the folder")
-            raise BadFile(paper.name, (problem,))
-        # A character that nobody sees would make a revision that nobody can read.
-        said = "; ".join(" ".join(s.split()) for s in map(visible, (by, note)) if s)
-        head = f"# frozen {date.today().isoformat()}: {said}\n"
-        encoded(paper.path, text)  # refused by its own lines
-        named = self._named(paper, text)
-        for k in range(1, MOST):
-            path = folder / f"{paper.path.stem}.{k}.yaml"
-            own = _copies(path)
-            if path.exists():
-                continue
-            try:
-                if named:
-                    own.mkdir()  # nobody else's: ours from here on
-            except FileExistsError:
-                continue
-            try:
-                for file in {rest: file for _, rest, file in named}.items():
-                    _copy(*file, own)
-                edits = {at: f"{own.name}/{rest}" for at, rest, _ in named}
-                held = Manuscript(text, paper.name).with_(edits) if edits else text
-                write(path, head + held)
-            except BaseException as error:
-                if named:
-                    rmtree(own, ignore_errors=True)
-                if isinstance(error, BadFile) and path.exists():
-                    continue  # somebody else's, meanwhile
-                raise
-            return self.revisions(number)
-        raise BadFile(paper.name, (Problem(message=f"has {MOST} revisions already"),))
-
-    def _named(self, paper: Paper, text: str) -> list[tuple[str, str, Path]]:
-        """Return where a text names files of the folder, how they are called from there, and them.
-
-        Recordings of a campaign are not meant: no verdict is approved of them.
-        """
-        beside: list[Beside] = []
-        try:
-            manuscript = Manuscript(text, paper.name)
-            if campaign.title(manuscript) is None:
-                files.loads(text, name=paper.name, folder=self.folder, warn=False, beside=beside)
-        except CardanError:
-            if not beside:
-                return []  # what cannot be read is kept as it is
-            manuscript = Manuscript(text, paper.name)
-        found = {
-            at: (os.path.normpath(b.path), b.path)
-            for b in beside if b.path.is_file()
-            for at in manuscript.addresses
-            if (at == b.at or at.startswith(f"{b.at}[")) and manuscript.written(at) == b.name
-        }  # fmt: skip
-        size = sum(path.stat().st_size for _, path in found.values())
-        if size > HEAVIEST:
-            problem = Problem(
-                message=f"names files of {size / 1e6:.0f} MB, and a revision keeps copies of "
-                f"{HEAVIEST / 1e6:.0f} MB at most"
-            )
-            raise BadFile(paper.name, (problem,))
-        return [
-            (at, Path(os.path.relpath(told, self.folder)).as_posix(), path)
-            for at, (told, path) in found.items()
-        ]
-
-    @staticmethod
-    def _restored(path: Path, text: str) -> str:
-        """Return the text of a revision with its copies called as from the folder."""
-        own = _copies(path)
-        if own.is_dir():
-            with suppress(CardanError):
-                manuscript, copies = Manuscript(text, path.name), f"{own.name}/"
-                said = {at: manuscript.written(at) or "" for at in manuscript.addresses}
-                return manuscript.with_(
-                    {at: f"{path.parent.name}/{to}" for at, to in said.items()
-                     if to.startswith(copies)}
-                )  # fmt: skip
-        return text
+        """Keep a text as a revision of a file, and return all of them."""
+        revisions.freeze(self.papers[number].path, text, by=by, note=note)
+        return self.revisions(number)
 
     def revisions(self, number: int) -> list[dict[str, str]]:
         """Return the revisions of a file, the last one first: name, what its head says, text."""
-        paper = self.papers[number]
-        found: list[tuple[int, dict[str, str]]] = []
-        folder = self.folder / "revisions"
-        for path in folder.glob("*.yaml") if folder.is_dir() else ():
-            stem, _, k = path.stem.rpartition(".")
-            if stem == paper.path.stem and k.isdecimal() and self._inside(path):
-                with suppress(CardanError):
-                    head, _, text = plain(text_of(path)).partition("\n")
-                    text = self._restored(path, text)
-                    told = head.removeprefix("# frozen ")
-                    found.append((int(k), {"name": k, "said": told, "text": text}))
-        return [row for _, row in sorted(found, key=lambda r: -r[0])[:20]]
+        return revisions.listed(self.papers[number].path)
 
-    def pin(self, number: int, variants: list[dict[str, str]]) -> None:
-        """Keep variants of a file, each a name and a text, beside its draft."""
-        paper = self.papers[number]
+    def pin(self, number: int, variants: list[dict[str, str]], *, by: str = "") -> None:
+        """Keep variants of a file, each a name and a text, beside its drafts.
+
+        A draft that somebody left, was shown among them, and is not there any more is thrown away.
+        """
+        paper, texts = self.papers[number], {v["text"] for v in variants}
+        for path in self._left.get((number, by), []):
+            if (held := _held(path, paper)) and held.get("text") not in texts:
+                path.unlink(missing_ok=True)
         if not variants:
             self._place(paper, "variants").unlink(missing_ok=True)
             return
@@ -302,28 +247,18 @@ class Desk:
             return len(self.papers) - 1
         raise BadFile(str(self.folder), (Problem(message=f"has {MOST} files named {stem}"),))
 
-    def keep(self, number: int, text: str, base: str, *, by: object = None) -> None:
-        """Keep an unsaved text; `base` marks the file's text that it was edited from.
-
-        It is theirs `by` whom it is kept, until they leave: nobody else throws it away.
-        """
+    def keep(self, number: int, text: str, base: str, *, by: str = "") -> None:
+        """Keep an unsaved text, apart from all others'; `base` marks what it was edited from."""
         paper = self.papers[number]
         self.drafts.mkdir(parents=True, exist_ok=True, mode=0o700)
         held = {"file": str(paper.path), "mark": base, "text": text}
-        write(self._place(paper), json.dumps(held), replace=True)  # half a letter too
-        self._keepers[number] = by
+        write(self._place(paper, by), json.dumps(held), replace=True)  # half a letter too
 
-    def drop(self, number: int, *, by: object = None) -> None:
-        """Keep nothing of an unsaved text, unless it is somebody else's."""
-        if self._keepers.get(number) in (None, by):
-            self._keepers.pop(number, None)
-            self._place(self.papers[number]).unlink(missing_ok=True)
+    def drop(self, number: int, *, by: str = "") -> None:
+        """Keep nothing of one's own unsaved text."""
+        self._place(self.papers[number], by).unlink(missing_ok=True)
 
-    def leave(self, by: object) -> None:
-        """Leave drafts behind, to whoever comes next."""
-        self._keepers = {n: who for n, who in self._keepers.items() if who is not by}
-
-    def save(self, number: int, text: str, base: str, *, by: object = None) -> str:
+    def save(self, number: int, text: str, base: str, *, by: str = "") -> str:
         """Write a text into its file, and return its mark.
 
         Raises
@@ -356,12 +291,33 @@ class Desk:
         """Return whether a path stays in the folder, wherever links lead."""
         return Path(os.path.realpath(path)).is_relative_to(self.folder)
 
-    def _draft(self, paper: Paper) -> dict[str, str] | None:
-        held = self._held(paper, "draft")
-        return held if held and isinstance(held.get("text"), str) else None
+    def _drafts(self, paper: Paper) -> list[dict[str, Any]]:
+        """Return the drafts of a file, the last one first: text, mark, by whom, when and where."""
+        found: list[tuple[int, dict[str, Any]]] = []
+        stem = self._place(paper).stem
+        for path in self.drafts.glob(f"{stem}*.json"):
+            by = path.stem.removeprefix(stem).removeprefix(".")
+            with suppress(OSError):
+                held, when = _held(path, paper), path.stat().st_mtime_ns
+                if held and by != "variants" and isinstance(held.get("text"), str):
+                    said = datetime.fromtimestamp(when / 1e9).strftime("%Y-%m-%d %H:%M:%S")
+                    mark = held.get("mark")
+                    found.append(
+                        (
+                            when,
+                            {
+                                "text": held["text"],
+                                "mark": mark,
+                                "by": by,
+                                "when": said,
+                                "path": path,
+                            },
+                        )
+                    )
+        return [row for _, row in sorted(found, key=lambda r: -r[0])]
 
     def _variants(self, paper: Paper) -> list[dict[str, str]]:
-        held = self._held(paper, "variants")
+        held = _held(self._place(paper, "variants"), paper)
         found = held.get("variants") if held else None
         rows = found if isinstance(found, list) else []
         return [
@@ -369,30 +325,20 @@ class Desk:
             if isinstance(row, dict) and all(isinstance(row.get(k), str) for k in ("name", "text"))
         ]  # fmt: skip
 
-    def _held(self, paper: Paper, what: str) -> dict[str, Any] | None:
-        """Return what is kept of a file; nothing where it is broken, or another file's."""
-        try:
-            held = json.loads(self._place(paper, what).read_text(encoding="utf-8"))
-        except (OSError, ValueError, RecursionError):
-            return None
-        whole = isinstance(held, dict) and held.get("file") == str(paper.path)
-        return held if whole else None
-
-    def _place(self, paper: Paper, what: str = "draft") -> Path:
+    def _place(self, paper: Paper, what: str = "") -> Path:
+        """Return where something of a file is kept: its variants, or somebody's draft."""
         name = sha256(os.fsencode(paper.path)).hexdigest()[:32]
-        return self.drafts / f"{name}{'' if what == 'draft' else '.' + what}.json"
+        return self.drafts / f"{name}{what and '.' + what}.json"
 
 
-def _copies(path: Path) -> Path:
-    """Return the folder of what a revision keeps beside it."""
-    return path.with_name(f"{path.stem}.files")
-
-
-def _copy(rest: str, file: Path, into: Path) -> None:
-    """Copy a file into a folder, under the name it had from its own."""
-    target = into / rest
-    target.parent.mkdir(parents=True, exist_ok=True)
-    write(target, file.read_bytes())
+def _held(path: Path, paper: Paper) -> dict[str, Any] | None:
+    """Return what is kept of a file; nothing where it is broken, or another file's."""
+    try:
+        held = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+    whole = isinstance(held, dict) and held.get("file") == str(paper.path)
+    return held if whole else None
 
 
 def draft_folder() -> Path:

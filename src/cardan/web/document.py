@@ -3,6 +3,7 @@
 import os
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import isfinite
@@ -13,6 +14,7 @@ import numpy as np
 
 from cardan import files
 from cardan.base.arrays import FloatArray
+from cardan.base.errors import CardanError
 from cardan.base.verdict import Check
 from cardan.border.table import Beside
 from cardan.demand.states import demand, resolve
@@ -91,6 +93,14 @@ class Document:
     def reaches(self) -> tuple[Reach, ...]:
         """How far the axle of each line goes."""
         return tuple(reach(r) for r in self.responses)
+
+    def named(self, at: str) -> list[Path]:
+        """Return the file that is named at an address, and those that that one names."""
+        with suppress(CardanError):  # what cannot be read names what was found until then
+            assert self.recordings or self.application
+        name = self.manuscript.written(at)
+        own = [b.path for b in self.beside if b.name == name and b.stands(at)]
+        return own[:1] + [b.path for b in self.beside if own and b.name is None and b.at == at]
 
     def edited(self, edits: Changes, *, held: bool = False) -> "Document":
         """Return it with edits made; what a hand holds is told by numbers, and not read again."""

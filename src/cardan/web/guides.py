@@ -45,11 +45,12 @@ def pasted(read: Document, args: Json, _: Language, __: Tell) -> Json:
     """
     app = read.application
     of = app.lines[min(int(args.get("line", 0)), len(app.lines) - 1)]
-    rows = np.array(hardpoints(args.get("points", "")))
+    unit = "in" if args.get("unit") == "in" else "mm"
+    rows = np.array(hardpoints(args.get("points", ""), unit=unit))
     if len(rows) != of.line.joint_count:
         message = f"line {of.line.name} has {of.line.joint_count} joints"
         raise BadFile(SHEET, (Problem(message=message, key=SHEET, value=f"{len(rows)} rows"),))
-    rows *= UNITS["in" if args.get("unit") == "in" else "mm"]
+    rows *= UNITS[unit]
     if args.get("axes") == "front":
         rows[:, :2] *= -1
     d = of.layout.directions

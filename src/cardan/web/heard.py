@@ -12,9 +12,10 @@ from cardan.base.units import MPa
 from cardan.fatigue import life as room
 from cardan.fatigue.conditioning import Health
 from cardan.fatigue.evidence import Evidence
-from cardan.fatigue.fault import KINDS, REMOVABLE
+from cardan.fatigue.fault import DRIFT, HOLE, KINDS, REMOVABLE
 from cardan.fatigue.recording import Channel, Recording, between
 from cardan.files.campaign import Campaigned, Segment
+from cardan.files.pasted import entered
 from cardan.files.recordings import open_recording
 from cardan.report import recording_story as story
 from cardan.report.blocks import Issue, Story
@@ -56,11 +57,22 @@ def driven(read: Document, args: Json, say: Language, tell: Tell) -> Json:
     except ImportError as error:
         raise _missing(error) from error
     recording = replace(campaign.scaled(recording), name=drive.name)
-    return _looked(recording, campaign.roles(recording), say, tell)
+    drifts = campaign.zero != "drift"
+    return _looked(recording, campaign.roles(recording), say, tell, drifts=drifts)
 
 
-def _looked(recording: Recording, roles: Mapping[str, str], say: Language, tell: Tell) -> Json:
-    """Return channels of a recording, and where those of gauges look wrong."""
+def _looked(
+    recording: Recording,
+    roles: Mapping[str, str],
+    say: Language,
+    tell: Tell,
+    *,
+    drifts: bool = True,
+) -> Json:
+    """Return channels of a recording, and where those of gauges look wrong.
+
+    `drifts` is false where what drifts is taken off.
+    """
     names = tuple(n for n in recording.names if n in roles)[:DRAWN]
     healths = room.look(recording, channels=names, progress=_progress(recording, say, tell))
     samples = max(h.samples for h in healths.values())
@@ -76,7 +88,7 @@ def _looked(recording: Recording, roles: Mapping[str, str], say: Language, tell:
             {
                 "name": c.name, "unit": c.unit, "role": roles[c.name],
                 "low": g(h.low), "high": g(h.high), "lowest": fs(a, 4), "highest": fs(b, 4),
-                "suspects": _suspects(h, recording.rate, say),
+                "suspects": _suspects(h, recording.rate, say, drifts=drifts),
                 "said": [say.said(s) for s in h.findings(rate=recording.rate, unit=c.unit)],
             }
             for c, h, a, b in zip(
@@ -89,11 +101,14 @@ def _looked(recording: Recording, roles: Mapping[str, str], say: Language, tell:
 def lived(_: Document, args: Json, say: Language, tell: Tell) -> Json:
     """Return what a recording did to its gauges, and who did it."""
     options = {k: v for k, v in args.items() if k in ASKED and v not in ("", [], None)}
-    campaign = Campaign.of(**options)
+    numbers = {k: _typed(args, k, label, say) for k, label in _FIELDS.items() if args.get(k)}
+    curve = ",".join(repr(numbers[k]) for k in ("amplitude", "cycles", "slope") if k in numbers)
+    if "modulus" in numbers:
+        options["modulus_GPa"] = numbers["modulus"]
+    campaign = Campaign.of(sn=curve, target_hours=numbers.get("hours"), **options)
     recording = _opened(args)
-    if args.get("first") or args.get("last"):
-        first, last = (_seconds(args, k) for k in ("first", "last"))
-        recording = between(recording, first or 0.0, last or 1e12)
+    if {"first", "last"} & numbers.keys():
+        recording = between(recording, numbers.get("first", 0.0), numbers.get("last") or 1e12)
     try:
         found = RecordingStudy(campaign, draw=True).run(recording, _reading(say, tell))
     except ImportError as error:
@@ -104,6 +119,12 @@ def lived(_: Document, args: Json, say: Language, tell: Tell) -> Json:
         "name": recording.name,
         "orders": _orders(heard),
         "causes": _causes(heard, say),
+        "open": [
+            {"rule": f"{one.name}={k}", "said": f"{one.name}: {say(k)}", "mask": k in REMOVABLE}
+            for one in heard.lives
+            for k in one.vetoes
+            if k != HOLE
+        ],
         **_story(story.recording(replace(found, answer=_undrawn(heard)), say=say, issue=Issue())),
     }
 
@@ -196,10 +217,15 @@ def _reading(say: Language, tell: Tell) -> Callable[[str, int, int], None]:
 
 
 ASKED = frozenset({
-    "gauges", "sn", "speed", "torque", "engine", "tacho", "mask", "accept", "target_hours",
-    "mean_stress", "ultimate_MPa", "engine_orders",
+    "gauges", "speed", "torque", "engine", "tacho", "mask", "accept", "zero",
 })  # fmt: skip
 """What the page may say of a campaign: options of `cardan life`."""
+
+_FIELDS = {
+    "amplitude": "amplitude [MPa]", "cycles": "cycles", "slope": "slope", "first": "from [s]",
+    "last": "to [s]", "hours": "hours to live", "modulus": "Young's modulus [GPa]",
+}  # fmt: skip
+"""Numbers that are typed, and what they are called there."""
 
 
 def _opened(args: Json) -> Recording:
@@ -215,12 +241,12 @@ def _missing(error: ImportError) -> NotInstalled:
     return NotInstalled(f"this needs {error.name}; pip install 'cardan[fatigue,recordings]'")
 
 
-def _seconds(args: Json, key: str) -> float:
-    """Return a time that was typed."""
+def _typed(args: Json, key: str, label: str, say: Language) -> float:
+    """Return a number that was typed."""
     try:
-        return float(str(args.get(key) or 0).replace(",", "."))
-    except ValueError:
-        msg = f"a time is a number of seconds, got {args[key]!r}"
+        return entered(args[key], decimal=say.decimal)
+    except ValueError as error:
+        msg = f"{say(label)}: {say.error(str(error))}, {args[key]!r}"
         raise CardanError(msg) from None
 
 
@@ -255,16 +281,20 @@ def _envelope(
 
 
 def _role(of: Channel) -> str:
-    """Return what a channel is by its unit, or by its name: a guess for the form."""
+    """Return what a channel is by its unit, and its name where that says which: a guess.
+
+    An engine's speed is in units of speed: its torque, or strain on its mount, is none.
+    """
     name = of.name.lower()
-    for role, words in WORDS.items():
-        if any(w in name for w in words):
-            return role
+    named = next((role for role, words in WORDS.items() if any(w in name for w in words)), "")
     units = (("gauge", STRESS), ("gauge", STRAIN), ("speed", SPEED), ("torque", TORQUE))
-    return next((role for role, known in units if of.unit in known and of.unit != "Hz"), "")
+    measured = next((role for role, known in units if of.unit in known and of.unit != "Hz"), "")
+    if measured == "torque" and named:
+        return ""
+    return named if named and measured in ("", "speed") else measured
 
 
-def _suspects(of: Health, rate: float, say: Language) -> list[Json]:
+def _suspects(of: Health, rate: float, say: Language, *, drifts: bool) -> list[Json]:
     """Return where a channel looks wrong, kind by kind, in seconds."""
     found: list[Json] = []
     for kind in (k for k in KINDS if k in of.faults):
@@ -274,6 +304,8 @@ def _suspects(of: Health, rate: float, say: Language) -> list[Json]:
             "kind": kind, "said": say(kind), "count": of.faults[kind].count,
             "mask": kind in REMOVABLE, "places": fs(runs[longest] / rate, 6),
         })  # fmt: skip
+    if of.drifts and drifts:
+        found.append({"kind": DRIFT, "said": say(DRIFT), "count": 1, "mask": False, "places": []})
     return found
 
 

@@ -1,6 +1,7 @@
 """What a page may ask as a job, and in which shape: nothing else reaches a worker."""
 
 from collections.abc import Callable, Mapping
+from math import inf
 from typing import Any, TypeAlias
 
 from cardan.border.document import LONGEST
@@ -26,27 +27,51 @@ class Wrong(Exception):  # noqa: N818  never leaves this room
     """A message that the page does not send."""
 
 
+class TooMuch(Wrong):
+    """One that it does send, and that is more than is taken: it is told so."""
+
+
 def text(said: Mapping[str, Any], key: str, most: int = LONGEST + 1) -> str:
     """Return a text of a message."""
     found = said.get(key)
-    if not isinstance(found, str) or len(found) > most:
+    if not isinstance(found, str):
         raise Wrong
+    if len(found) > most:
+        msg = f"{key} is longer than {most} characters"
+        raise TooMuch(msg)
     return found
 
 
 def whole(said: Mapping[str, Any], key: str, below: int) -> int:
     """Return a whole number of a message, from 0."""
     value = said.get(key)
-    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < below:
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
         raise Wrong
+    if value >= below:
+        msg = f"{key} is beyond {below - 1}"
+        raise TooMuch(msg)
     return value
 
 
 def number(value: Any, *, most: float) -> float:
     """Return a number, no larger than may be either way."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= most:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) < inf:
         raise Wrong
+    if abs(value) > most:
+        msg = f"a number is beyond {most:g}"
+        raise TooMuch(msg)
     return float(value)
+
+
+def several(said: Mapping[str, Any], key: str, most: int) -> list[Any]:
+    """Return a list of a message."""
+    rows = said.get(key)
+    if not isinstance(rows, list):
+        raise Wrong
+    if len(rows) > most:
+        msg = f"{key} are more than {most}"
+        raise TooMuch(msg)
+    return rows
 
 
 def arguments(job: str, said: Any) -> Json:
@@ -68,9 +93,7 @@ def _rows(keys: tuple[str, ...], most: int) -> Shape:
     """Return the shape of a list of rows of typed fields."""
 
     def read(said: Json, key: str) -> list[Json]:
-        rows = said[key]
-        if not isinstance(rows, list) or len(rows) > most:
-            raise Wrong
+        rows = several(said, key, most)
         if not all(isinstance(row, dict) and row.keys() <= set(keys) for row in rows):
             raise Wrong
         return [{k: text(row, k, 200) for k in row} for row in rows]
@@ -80,9 +103,7 @@ def _rows(keys: tuple[str, ...], most: int) -> Shape:
 
 def texts(said: Json, key: str) -> list[dict[str, str]]:
     """Return named texts: variants of a file."""
-    rows = said.get(key)
-    if not isinstance(rows, list) or len(rows) > VARIANTS:
-        raise Wrong
+    rows = several(said, key, VARIANTS)
     if not all(isinstance(row, dict) and row.keys() == {"name", "text"} for row in rows):
         raise Wrong
     return [{"name": text(row, "name", 100), "text": text(row, "text")} for row in rows]
@@ -90,31 +111,19 @@ def texts(said: Json, key: str) -> list[dict[str, str]]:
 
 def _amounts(said: Json, key: str) -> list[Json]:
     """Return amounts of moves, by what moves."""
-    rows = said[key]
-    if not isinstance(rows, list) or len(rows) > 40:
-        raise Wrong
+    rows = several(said, key, 40)
     if not all(isinstance(row, dict) and row.keys() == {"id", "amount"} for row in rows):
         raise Wrong
     return [{"id": text(r, "id", 60), "amount": number(r["amount"], most=1e6)} for r in rows]
 
 
 def _names(said: Json, key: str) -> list[str]:
-    names = said[key]
-    if not isinstance(names, list) or len(names) > 60:
-        raise Wrong
-    return [text({key: name}, key, 60) for name in names]
+    return [text({key: name}, key, 60) for name in several(said, key, 60)]
 
 
 def _words(said: Json, key: str) -> list[str]:
     """Return what is said of a recording: channels, and rules of what looks wrong in them."""
-    rows = said[key]
-    if not isinstance(rows, list) or len(rows) > 200:
-        raise Wrong
-    return [text({key: row}, key, 300) for row in rows]
-
-
-def _positive(said: Json, key: str) -> float | None:
-    return None if said[key] is None else number(said[key], most=1e12)
+    return [text({key: row}, key, 300) for row in several(said, key, 200)]
 
 
 def _truth(said: Json, key: str) -> bool:
@@ -134,10 +143,7 @@ def _one_of(*choices: str) -> Shape:
 
 def _files(said: Json, key: str) -> list[int]:
     """Return files by their numbers on the desk."""
-    rows = said[key]
-    if not isinstance(rows, list) or len(rows) > VARIANTS:
-        raise Wrong
-    return [whole({key: row}, key, 10_000) for row in rows]
+    return [whole({key: row}, key, 10_000) for row in several(said, key, VARIANTS)]
 
 
 LINE: dict[str, Shape] = {"line": _below(100)}
@@ -157,7 +163,12 @@ ARGUMENTS: dict[str, dict[str, Shape]] = {
     "fix": {**LINE, "hold": _names},
     "map": {**LINE, "x": _typed(60), "y": _typed(60), "sought": _truth},
     "moved": {**LINE, "moves": _amounts},
-    "yield": {**LINE, "sigmas": _amounts, "sought": _truth, "count": _below(65_537)},
+    "yield": {
+        **LINE,
+        "sigmas": _rows(("id", "amount"), 40),
+        "sought": _truth,
+        "count": _below(65_537),
+    },
     "limits": {},
     "library": {},
     "script": {**LINE, "saved": text, "hold": _names},
@@ -173,9 +184,11 @@ ARGUMENTS: dict[str, dict[str, Shape]] = {
     "recording": {},
     "life": {
         **dict.fromkeys(("gauges", "mask", "accept"), _words),
-        **{key: _typed(300) for key in ("speed", "torque", "engine", "tacho", "first", "last")},
-        **{key: _typed(40) for key in ("sn", "mean_stress", "engine_orders")},
-        **dict.fromkeys(("target_hours", "ultimate_MPa"), _positive),
+        **{key: _typed(300) for key in ("speed", "torque", "engine", "tacho")},
+        **dict.fromkeys(
+            ("amplitude", "cycles", "slope", "first", "last", "hours", "modulus"), _typed(40)
+        ),
+        "zero": _one_of("none", "start", "median", "drift"),
     },
     "drive": {"drive": _below(10_000)},
     "campaign": {},

@@ -7,8 +7,10 @@ A process that takes too long, or ends, is replaced by a new one.
 import asyncio
 import json
 import os
+import shutil
 import signal
 import sys
+import tempfile
 from asyncio.subprocess import PIPE, Process
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
@@ -38,6 +40,7 @@ class Lane:
         self._process: Process | None = None
         self._turn = asyncio.Lock()
         self._closed = False
+        self._folder = ""
 
     async def ask(self, question: Json, tell: Tell | None = None) -> Json:
         """Return an answer; one with a `fault` where there is none.
@@ -92,6 +95,13 @@ class Lane:
         """Wait until the process has ended."""
         if self._process is not None:
             await self._process.wait()
+        self._clear()
+
+    def _clear(self) -> None:
+        """Throw away what a process that has ended was still at."""
+        if self._folder:
+            shutil.rmtree(self._folder, ignore_errors=True)
+        self._folder = ""
 
     async def _asked(self, process: Process, data: bytes, tell: Tell | None) -> Json:
         assert process.stdin
@@ -109,11 +119,16 @@ class Lane:
     async def _running(self) -> Process:
         """Return the process, a new one where there is none."""
         if self._process is None or self._process.returncode is not None:
+            # What it leaves half done is gone with it, wherever it was ended.
+            self._clear()
+            with suppress(OSError):
+                self._folder = tempfile.mkdtemp(prefix="cardan-")
+            own = dict.fromkeys(("TMPDIR", "TEMP", "TMP"), self._folder) if self._folder else {}
             # -P: what lies in the folder it is started from is no module of ours.
             self._process = await asyncio.create_subprocess_exec(
                 sys.executable, "-P", "-m", "cardan.web.worker",
                 *(("patient",) if self.patient else ()),
-                stdin=PIPE, stdout=PIPE, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+                stdin=PIPE, stdout=PIPE, env={**os.environ, **own, "OPENBLAS_NUM_THREADS": "1"},
                 limit=MOST,
             )  # fmt: skip
             if self._closed:  # meanwhile

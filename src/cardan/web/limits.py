@@ -4,8 +4,9 @@ from datetime import date
 
 from cardan.base.errors import BadFile, Problem
 from cardan.base.verdict import Limit
+from cardan.border.document import visible
 from cardan.files.deviation import SIGNED, Deviation, deviated
-from cardan.files.pasted import number
+from cardan.files.pasted import entered
 from cardan.model.application import GIVEN
 from cardan.quantity.quantities import QUANTITIES
 from cardan.report.language import Language
@@ -43,27 +44,27 @@ def _row(limit: Limit, say: Language) -> Json:
     }
 
 
-def deviation(read: Document, args: Json, _: Language, __: Tell) -> Json:
+def deviation(read: Document, args: Json, say: Language, _: Tell) -> Json:
     """Return the edits that make a limit another, with a source that says who and why."""
     app = read.application
     which = int(args.get("which", 0))
     if which >= len(app.limits):
         problem = Problem(message="there is no such limit", key="which", value=str(which))
         raise BadFile(read.name, (problem,))
-    bounds = {key: _bound(args.get(key, ""), key) for key in ("normal", "maximum")}
+    bounds = {key: _bound(args.get(key, ""), key, say) for key in ("normal", "maximum")}
     to = Deviation(
-        **bounds, reason=args.get("reason", ""), by=args.get("by", ""),
+        **bounds, reason=visible(args.get("reason", "")), by=visible(args.get("by", "")),
         on=date.today().isoformat(),
     )  # fmt: skip
     edits = deviated(read.manuscript, app.limits, which, to, profile=app.profile)
     return {"draft": read.manuscript.with_(edits)}
 
 
-def _bound(typed: str, key: str) -> float | None:
+def _bound(typed: str, key: str, say: Language) -> float | None:
     if not typed.strip():
         return None
-    found = number(typed)
-    if found is None:
-        problem = Problem(message="is no number", key=key, value=typed[:40])
-        raise BadFile(key, (problem,))
-    return found
+    try:
+        return entered(typed, decimal=say.decimal)
+    except ValueError as error:
+        problem = Problem(message=str(error), key=key, value=typed[:40])
+        raise BadFile(key, (problem,)) from None

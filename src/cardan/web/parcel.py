@@ -9,6 +9,7 @@ from base64 import b64decode
 from binascii import Error
 from pathlib import Path, PurePath
 
+from cardan.base.errors import CardanError
 from cardan.border.document import visible
 from cardan.files.recordings import ENDINGS
 from cardan.web.jobs import Json, Wrong, text, whole
@@ -27,20 +28,31 @@ class Parcel:
         self.id, self.name, self.size, self.got = 0, "", 0, 0
         self._folder: Path | None = None
 
-    def begin(self, said: Json) -> str:
-        """Make ready for a recording, in place of what was brought before; say what is wrong."""
+    def begin(self, said: Json) -> None:
+        """Make ready for a recording, in place of what was brought before.
+
+        Raises
+        ------
+        CardanError
+            If none of that name or size is read.
+        """
         self.close()
         self.id = whole(said, "id", 2**53)
         name, size = text(said, "name", 1000), whole(said, "size", 2**53)
         ending = PurePath(name).suffix.lower()
         if ending not in ENDINGS:
-            return f"no reader for {ending!r} files; known are {', '.join(sorted(ENDINGS))}"
-        if not 0 < size <= MOST:
-            return f"a recording of 1 to {MOST / 1e6:.0f} MB can be brought, not of {size / 1e6:g}"
+            msg = f"no reader for {ending!r} files; known are {', '.join(sorted(ENDINGS))}"
+            raise CardanError(msg)
+        if not size:
+            msg = f"{visible(name)} is empty"
+            raise CardanError(msg)
+        if size > MOST:
+            most, of = MOST / 1e6, size / 1e6
+            msg = f"a recording of {most:.0f} MB at most can be brought, not of {of:.0f}"
+            raise CardanError(msg)
         self._folder = Path(tempfile.mkdtemp(prefix="cardan-"))
         self.name, self.size = visible(name.replace("\\", "/").rpartition("/")[2][:200]), size
         self._file.touch()
-        return ""
 
     def take(self, said: Json) -> None:
         """Take the next piece."""

@@ -27,8 +27,10 @@ def seated(read: Document, _: Json, say: Language, tell: Tell) -> Json:
             {"doing": say.error(doing), **({"done": done, "of": of} if of else {})}
         ),
     )  # fmt: skip
-    of: BracketAnswer = found.of(BRACKET)
     finding = next(one for one in found.findings if one.study == BRACKET)
+    if finding.answer is None:
+        raise DesignError("; ".join(finding.doubts), about=BRACKET)
+    of: BracketAnswer = finding.answer
     return {
         "verdict": found.verdict,
         "checks": [other(c, found, say) for c in finding.checks],

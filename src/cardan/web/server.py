@@ -17,7 +17,7 @@ from cardan.base.errors import CardanError, NotInstalled
 from cardan.web.desk import Desk
 from cardan.web.guard import PROTOCOL, Guard
 from cardan.web.lanes import Lane, Lanes
-from cardan.web.session import Session, Wrong
+from cardan.web.session import MESSAGE, Session, Wrong
 
 ADDRESSES = ((socket.AF_INET, "127.0.0.1"), (socket.AF_INET6, "::1"))
 
@@ -32,9 +32,6 @@ SILENT = 10.0
 
 JOB = 600.0
 """Seconds a job may take: a search, a map, a report."""
-
-MESSAGE = 8_200_000
-"""Bytes of a message: a text as long as a file may be, in letters of four bytes."""
 
 KINDS = {
     ".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8",

@@ -1,7 +1,7 @@
 """One socket: what a page asks, and what it is told, by messages of JSON.
 
     the page says                          it is told
-    hello  lang                            welcome: texts, quantities, files
+    hello  lang, was                       welcome: texts, quantities, files
     open   file                            opened: text, draft
     ask    id, text, drag, edits, pose     live: what follows; then full: the verdict
            held                            moved: the line; graded: limits; then full
@@ -20,12 +20,15 @@
                                            disk: a file is another than it was
                                            beside: one that it names is another
 
-What has the wrong shape ends the socket: the page sends no such thing.
+What is more than is taken is refused, in the place of its answer. What has the wrong shape ends
+the socket: the page sends no such thing.
 """
 
 import asyncio
 import json
+from collections.abc import Callable
 from contextlib import suppress
+from math import inf
 from pathlib import Path
 from typing import Any, Protocol, get_args
 
@@ -37,8 +40,8 @@ from cardan.files.limit import names as profiles
 from cardan.report.language import CODES, Language
 from cardan.study.drag import KINDS
 from cardan.web import jobs, words
-from cardan.web.desk import Conflict, Desk, readable
-from cardan.web.jobs import Wrong
+from cardan.web.desk import Conflict, Desk, mark, readable
+from cardan.web.jobs import TooMuch, Wrong
 from cardan.web.lanes import Lanes, Latest
 from cardan.web.parcel import Parcel
 
@@ -56,6 +59,12 @@ ANSWERS = {
     "help": "helped",
 }  # fmt: skip
 """What a page is told in answer to each question."""
+
+ASKED = {"ask": "live", "pose": "posed", "help": "helped"}
+"""What is told in answer to each of these messages."""
+
+MESSAGE = 8_200_000
+"""Bytes of a message: a text as long as a file may be, in letters of four bytes."""
 
 FARTHEST = 1e5
 """mm: nothing on a vehicle is moved farther."""
@@ -82,9 +91,12 @@ class Session:
         self.socket, self.desk, self.lanes, self.token = socket, desk, lanes, token
         self.quick, self.limits, self.slow = map(Latest, (lanes.quick, lanes.limits, lanes.slow))
         self._asked = 0
+        self._aside = set[asyncio.Task[None]]()
         self._jobs: dict[int, asyncio.Task[None]] = {}
         self.parcel = Parcel()
         self.lang = "en"
+        self.who, self.back = "", False
+        """As whom this page keeps drafts, and whether it did so before it lost its socket."""
         self.file: int | None = None
         self._sending = asyncio.Lock()
         self._seen: Stamp = (0, 0, 0)
@@ -104,11 +116,11 @@ class Session:
             for task in done:
                 task.result()
         finally:
-            rest = (*loops, *self._jobs.values(), *filter(None, [self._rest]))
+            rest = (*loops, *self._aside, *self._jobs.values(), *filter(None, [self._rest]))
             for task in rest:
                 task.cancel()
             await asyncio.gather(*rest, return_exceptions=True)
-            self.desk.leave(self)
+            self.desk.leave(self.who)
             self.parcel.close()
 
     # ------------------------------------------------------------------- what the page says
@@ -133,20 +145,46 @@ class Session:
         handle = heard.get(str(said.get("type")))
         if handle is None:
             raise Wrong
-        await handle(said)
+        try:
+            if "bytes" in said:  # it stands for a message that is longer than any that is read
+                size, most = jobs.number(said["bytes"], most=inf) / 1e6, MESSAGE / 1e6
+                msg = (
+                    f"what is asked takes {size:.0f} MB, more than the {most:.0f} MB that are read"
+                )
+                raise TooMuch(msg)
+            await handle(said)
+        except TooMuch as error:
+            await self._refuse(said, Language(self.lang).typeset.error(str(error)))
+
+    async def _refuse(self, said: Json, why: str) -> None:
+        """Tell that something is not done, where its answer was waited for."""
+        kind, number = said["type"], said.get("id")
+        if kind == "job":
+            await self._tell("done", id=number, job=said.get("job"), fault=why)
+        elif kind in ASKED:
+            held = kind == "ask" and said.get("held") is True
+            await self._tell("moved" if held else ASKED[kind], id=number, fault=why)
+        else:
+            await self._tell("refused", what=kind, file=said.get("file", 0), why=why)
 
     async def _hello(self, said: Json) -> None:
         self.lang = said["lang"] if said.get("lang") in CODES else "en"
         say = Language(self.lang)
+        if not self.who:
+            was = jobs.text(said, "was", 40) if "was" in said else ""
+            self.who = self.desk.enter(was)
+            self.back = self.who == was
         await self._tell(
             "welcome",
             version=__version__,
+            who=self.who,
             token=self.token,
             lang=self.lang,
             languages=words.languages(),
             texts=words.texts(say),
             quantities=words.quantities(say),
             catalogue=words.catalogue(),
+            longest=MESSAGE,
             profiles=list(profiles()),
             files=[p.name for p in self.desk.papers],
         )
@@ -154,7 +192,7 @@ class Session:
     async def _pin(self, said: Json) -> None:
         number, variants = self._number(said), jobs.texts(said, "variants")
         with suppress(CardanError, OSError):
-            await asyncio.to_thread(self.desk.pin, number, variants)
+            await asyncio.to_thread(self.desk.pin, number, variants, by=self.who)
             await self._tell("kept", file=number)
 
     async def _create(self, said: Json) -> None:
@@ -172,7 +210,10 @@ class Session:
         self._look(number)
         self._beside = {}
         try:
-            opened = await asyncio.to_thread(self.desk.open, number)
+            word = Language(self.lang)("not saved")
+            opened = await asyncio.to_thread(
+                self.desk.open, number, by=self.who, back=self.back, word=word
+            )
         except CardanError as error:
             why = f"{self.desk.papers[number].name}: {self._why(error)}"
             await self._tell("refused", what="open", file=number, why=why)
@@ -241,18 +282,19 @@ class Session:
         await asyncio.sleep(0)  # it begins: who is cancelled before would tell nobody
 
     async def _bring(self, said: Json) -> None:
-        why = await asyncio.to_thread(self.parcel.begin, said)
-        if why:
-            why = Language(self.lang).typeset.error(why)
-            await self._tell("refused", what="bring", file=0, why=why)
-        else:
-            await self._tell_parcel()
+        await self._bear(self.parcel.begin, said)
 
     async def _piece(self, said: Json) -> None:
-        await asyncio.to_thread(self.parcel.take, said)
-        await self._tell_parcel()
+        await self._bear(self.parcel.take, said)
 
-    async def _tell_parcel(self) -> None:
+    async def _bear(self, how: Callable[[Json], None], said: Json) -> None:
+        """Go on with a recording, and tell how much of it has come, or why none does."""
+        try:
+            await asyncio.to_thread(how, said)
+        except (CardanError, OSError) as error:
+            self.parcel.close()
+            await self._tell("refused", what="bring", file=0, why=self._why(error))
+            return
         p = self.parcel
         await self._tell("brought", id=p.id, name=p.name, got=p.got, size=p.size)
 
@@ -263,6 +305,12 @@ class Session:
     async def _freeze(self, said: Json) -> None:
         number, text = self._number(said), jobs.text(said, "text")
         by, note = jobs.text(said, "by", 100), jobs.text(said, "note", 300)
+        task = asyncio.create_task(self._frozen(number, text, by, note))
+        self._aside.add(task)
+        task.add_done_callback(self._aside.discard)
+
+    async def _frozen(self, number: int, text: str, by: str, note: str) -> None:
+        """Freeze a text, while a hand goes on: what it names may be gigabytes to be read."""
         try:
             found = await asyncio.to_thread(self.desk.freeze, number, text, by=by, note=note)
         except (CardanError, OSError) as error:
@@ -303,7 +351,7 @@ class Session:
         number, text = self._number(said), jobs.text(said, "text")
         base = jobs.text(said, "mark")
         try:
-            await asyncio.to_thread(self.desk.keep, number, text, base, by=self)
+            await asyncio.to_thread(self.desk.keep, number, text, base, by=self.who)
         except (CardanError, OSError) as error:
             await self._tell("refused", what="keep", file=number, why=self._why(error))
         else:
@@ -311,13 +359,13 @@ class Session:
 
     async def _drop(self, said: Json) -> None:
         with suppress(OSError):
-            await asyncio.to_thread(self.desk.drop, self._number(said), by=self)
+            await asyncio.to_thread(self.desk.drop, self._number(said), by=self.who)
 
     async def _save(self, said: Json) -> None:
         number, text = self._number(said), jobs.text(said, "text")
         base = jobs.text(said, "mark")
         try:
-            new = await asyncio.to_thread(self.desk.save, number, text, base, by=self)
+            new = await asyncio.to_thread(self.desk.save, number, text, base, by=self.who)
         except Conflict:
             await self._tell_disk(number, conflict=True)
         except (CardanError, OSError) as error:
@@ -374,15 +422,13 @@ class Session:
         """Tell what a file is on disk now."""
         self._look(number)
         try:
-            opened = await asyncio.to_thread(self.desk.open, number)
+            text = await asyncio.to_thread(self.desk.papers[number].read)
         except CardanError as error:
             gone = not self.desk.papers[number].path.exists()
             why = "is no longer there" if gone else self._why(error)
             await self._tell("refused", what="read", file=number, why=why)
             return
-        await self._tell(
-            "disk", file=number, text=opened["saved"], mark=opened["mark"], conflict=conflict
-        )
+        await self._tell("disk", file=number, text=text, mark=mark(text), conflict=conflict)
 
     def _why(self, error: CardanError | OSError) -> str:
         """Return why a file could not be read or written, in the page's language."""
@@ -398,7 +444,10 @@ class Session:
     # ------------------------------------------------------------------- shapes
 
     def _number(self, said: Json) -> int:
-        return jobs.whole(said, "file", len(self.desk.papers))
+        number = jobs.whole(said, "file", 2**53)
+        if number >= len(self.desk.papers):
+            raise Wrong
+        return number
 
     def _question(self, said: Json, job: str) -> Json:
         """Return what the page asks, as a worker takes it: nothing else gets through."""
@@ -459,14 +508,18 @@ def _drag(said: Any) -> Json:
 
 def _edits(said: Any) -> Json:
     """Return edits: numbers, names or lists of numbers by their addresses."""
-    if not isinstance(said, dict) or len(said) > 200:
+    if not isinstance(said, dict):
         raise Wrong
     found: Json = {}
-    for at, to in said.items():
-        if isinstance(to, list) and len(to) <= 20:
-            found[at] = [jobs.number(t, most=1e12) for t in to]
-        elif isinstance(to, str) and len(to) <= 200 and to.isprintable():
-            found[at] = to
+    for at in jobs.several({"changes": [*said]}, "changes", 200):
+        to = said[jobs.text({"address": at}, "address", 300)]
+        if isinstance(to, list):
+            found[at] = [jobs.number(t, most=1e12) for t in jobs.several(said, at, 20)]
+        elif isinstance(to, str):
+            found[at] = jobs.text(said, at, 300)
+            if not to.isprintable():
+                msg = f"{at} would hold a character that nobody sees"
+                raise TooMuch(msg)
         else:
             found[at] = jobs.number(to, most=1e12)
     return found
