@@ -54,6 +54,7 @@ from cardan.fatigue.evidence import (
 )
 from cardan.fatigue.locked import (
     FOUND,
+    RISES,
     SLOWEST,
     Aligned,
     Line,
@@ -204,6 +205,14 @@ class _Case:
         """Return ratios and lags of an angle, the best first."""
         return aligned(self.quiet, self.load, angle, self.rate, self.start)
 
+    def other(self, angle: Angle) -> Aligned | None:
+        """Return the best ratio and lag of another angle, if it explains more than the shaft's."""
+        over = self.first.energy
+        found = aligned(
+            self.quiet, self.load, angle, self.rate, self.start, rising=RISES, over=over
+        )
+        return found[0] if found and found[0].energy > over else None
+
     def scene(self, option: Aligned, angle: Angle | None = None) -> Scene:
         """Return what turns by an angle, else the shaft's, with a ratio and lag."""
         angle = angle or self.angle
@@ -282,9 +291,8 @@ class _Case:
         for times, doubt in ((2.0, DOUBLED), (0.5, HALVED)):
             scaled = replace(self.angle.rotation, turns=times * self.angle.rotation.turns)
             asked = replace(self.angle, rotation=scaled)
-            others = self.aligned(asked)
-            if others and others[0].energy > self.first.energy:
-                theirs = punctual(others[0], most=self.angle.lag)
+            if found := self.other(asked):
+                theirs = punctual(found, most=self.angle.lag)
                 other = order_line(self.scene(theirs, asked), self.y, 2, most=2)
                 # What turns once a turn with the speed's square is unbalance.
                 by_torque, by_speed = (solved(other.columns[k::2], self.y)[1] for k in (0, 1))
@@ -321,10 +329,11 @@ class _Case:
             return None
         turning = self.angle.rotation
         asked = [replace(self.angle, rotation=turning.geared(times)) for times in SCALES]
-        found = [(o[0].energy, k) for k, a in enumerate(asked) if (o := self.aligned(a))]
-        energy, k = max(found, default=(0.0, 0))
-        other = replace(self, angle=asked[k])
-        return other if energy > self.first.energy and other.line.strength >= FOUND else None
+        found = [(best.energy, k) for k, angle in enumerate(asked) if (best := self.other(angle))]
+        if not found:
+            return None
+        other = replace(self, angle=asked[max(found)[1]])
+        return other if other.line.strength >= FOUND else None
 
     @cached_property
     def steady(self) -> bool:
@@ -645,8 +654,7 @@ class _Theirs:
         return self._slow(middle, gain) * self.lines[0].wave
 
     def _slow(self, middle: FloatArray, gain: ComplexArray) -> ComplexArray:
-        real, imag = (np.interp(self.since, middle, part) for part in (gain.real, gain.imag))
-        return np.asarray(real + 1j * imag, np.complex128)
+        return np.asarray(np.interp(self.since, middle, gain), np.complex128)
 
 
 def _theirs(case: _Case) -> _Theirs:
