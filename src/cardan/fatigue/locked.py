@@ -33,9 +33,6 @@ BAND = 2.5
 """Width in frequency over which a response is taken as one, Hz."""
 BLOCK = 6.0
 """Seconds over which the response may wander: geometry rides with the springs."""
-RISES = 2.5
-"""Of what half of the ratios explain at most, that the best does where something is locked: of 57 at
-which F reached 15 the least had 3.6."""
 POLE = 0.04
 """Share of the fit's energy that a mode has to add."""
 PHANTOMS = (4.5, 6.5, 9.0, 12.0, 15.5, 19.5, 24.0, 29.0)
@@ -44,6 +41,8 @@ FORETOLD = 9.0
 """Seconds of a stretch that is foretold from its neighbours."""
 FOUND = 15.0
 """F from which something is locked: without joints the search over ratios reached 14."""
+STEADILY = 0.5
+"""Seconds in which a shaft's inertia hardly changes what it does."""
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
 RIDGE = 1e-9
@@ -70,7 +69,7 @@ class Aligned:
 
 def aligned(
     y: FloatArray, torque: FloatArray, angle: Angle, rate: float, start: float, *,
-    rising: float = 0.0, over: float = 0.0,
+    over: float = 0.0,
 ) -> list[Aligned]:  # fmt: skip
     """Ratios and lags by the energy that T e^{2iθ} explains, the best first, four at most.
 
@@ -78,9 +77,8 @@ def aligned(
     losses of the angle turned by one phase. For each lag all ratios are
     met at once: as a function of the angle, a wrong ratio is a frequency.
 
-    None are returned where at every fourth lag no ratio explains so many times (`rising`) what
-    half of them do at most, or half as much as what it should be `over`: of the energy of one
-    band three lags leave six tenths.
+    None are returned where at every fourth lag none explains half as much as what it should be
+    `over`: of the energy of a band three lags leave six tenths.
     """
     from scipy.fft import fft, next_fast_len
 
@@ -166,8 +164,7 @@ def aligned(
     # Every fourth lag from the middle one on tells whether the others are worth it.
     coarse = np.arange(shifts.size) % 4 == shifts.size // 2 % 4
     first = [at(int(shift)) for shift in shifts[coarse]]
-    rises = any(e.max() >= max(rising * np.median(e), over / 2) for e, _ in first)
-    if not rises:
+    if over and not any(energy.max() >= over / 2 for energy, _ in first):
         return []
     others = (at(int(shift)) for shift in shifts[~coarse])
     found = [one for _, best in (*first, *others) for one in best]
@@ -276,8 +273,18 @@ class Scene:
     def inputs(self, order: int) -> list[ComplexArray]:
         """Return forces locked to an order: by torque, and the second by speed squared too."""
         turning = wave(order * self.turns)
-        by_torque = [self.torque * turning]
-        return [*by_torque, (self.speed / 40) ** 2 * turning] if order == 2 else by_torque
+        return [load * turning for load in self.loads(order)]
+
+    def loads(self, order: int) -> list[FloatArray]:
+        """Return sizes of the forces of an order.
+
+        The speed squared goes slowly: a tone wheel's wobble, once a turn, would make orders 1 and 3
+        of what torque and speed have in common.
+        """
+        if order != 2:
+            return [self.torque]
+        steady = running_mean(self.speed, max(round(STEADILY / 2 * self.rate), 1))
+        return [self.torque, (steady / 40) ** 2]
 
     def columns(self, order: int, poles: Sequence[tuple[float, float]] = ()) -> ComplexArray:
         """Each force of an order, plain and through each mode, (columns, n)."""
@@ -412,10 +419,9 @@ def _slow(scene: Scene, order: int) -> _Slow:
     m = scene.turns.size // every
     middle = slice(every // 2, m * every, every)
     turning = wave(order * scene.turns[: m * every])
-    loads = [scene.torque, (scene.speed / 40) ** 2] if order == 2 else [scene.torque]
     return _Slow(
         every, scene.rate / every, np.conj(turning), turning[middle],
-        2 * np.pi * order * scene.speed[middle], np.stack(loads)[:, middle],
+        2 * np.pi * order * scene.speed[middle], np.stack(scene.loads(order))[:, middle],
     )  # fmt: skip
 
 

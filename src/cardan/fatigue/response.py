@@ -47,6 +47,7 @@ from cardan.fatigue.evidence import (
     SCALED,
     SLIPPING,
     STEADY,
+    TONE,
     UNHEARD,
     UNLOADED,
     UNTRUSTED,
@@ -54,7 +55,6 @@ from cardan.fatigue.evidence import (
 )
 from cardan.fatigue.locked import (
     FOUND,
-    RISES,
     SLOWEST,
     Aligned,
     Line,
@@ -99,6 +99,8 @@ guilty gauges at which it had, all but one (held by other doubts) had 0.33 to 0.
 innocent ones whose damage came in such seconds by chance nine had less."""
 UNMOVED = 1.01
 """Of what goes with a torque, above which an order that is the same under any explains more."""
+ONE_TONE = 0.5
+"""Share of the joints' force that is one tone, from which nothing tells it from a tone."""
 BESIDES = 5.0
 """Hz from order 2 within which another order takes part in what stands about it."""
 
@@ -208,9 +210,7 @@ class _Case:
     def other(self, angle: Angle) -> Aligned | None:
         """Return the best ratio and lag of another angle, if it explains more than the shaft's."""
         over = self.first.energy
-        found = aligned(
-            self.quiet, self.load, angle, self.rate, self.start, rising=RISES, over=over
-        )
+        found = aligned(self.quiet, self.load, angle, self.rate, self.start, over=over)
         return found[0] if found and found[0].energy > over else None
 
     def scene(self, option: Aligned, angle: Angle | None = None) -> Scene:
@@ -352,6 +352,20 @@ class _Case:
             all(alone.first.energy > UNMOVED * law.first.energy for law in (self, root))
             and alone.line.strength >= FOUND
         )
+
+    @cached_property
+    def toned(self) -> bool:
+        """Return whether what the joints do is one tone: its energy is in one line of a spectrum.
+
+        Any other of about that frequency, there all the time, is then as surely locked.
+        """
+        from scipy.fft import fft, next_fast_len
+
+        force = self.best.inputs(2)[0]
+        # Between two lines of a spectrum twice as long a tone keeps four fifths of its energy.
+        lines = fft(force.astype(np.complex64), next_fast_len(2 * force.size))
+        energy = force.size * float(np.vdot(force, force).real)
+        return float(np.abs(lines).max()) ** 2 > ONE_TONE * energy
 
     def following(self) -> tuple[float, float] | None:
         """Share, at least and likely, of what follows order 2 where no engine may; None of others.
@@ -569,7 +583,7 @@ def _locked(case: _Case, seed: int) -> Identified:
     if not case.angle.trusted:
         # Something is theirs, and what that knocks loose elsewhere no lost angle can follow.
         span = span.up_to(max(case.removed(case.close(x)), ACQUITTED + 0.05), UNTRUSTED)
-        span = span.down_to(0.5 * middle)
+        span = span.down_to(0.5 * middle if line.strength >= CLEAR else 0.0)
     sure = _sure(case, mean, theirs.left + line.wave.real, margin)
     if sure is not None and sure < span.low:
         span = span.down_to(sure, UNHEARD if case.engine is None else ALIKE)
@@ -579,6 +593,8 @@ def _locked(case: _Case, seed: int) -> Identified:
         )  # fmt: skip
     if span.low >= CONVICTED and case.steady:
         span = span.down_to(0.0, STEADY)
+    if span.low >= CONVICTED and case.toned:
+        span = span.down_to(0.0, TONE)
     span = case.sudden(x - mean, span)
     if span.high <= ACQUITTED:
         span = case.elsewhere(span)
