@@ -41,8 +41,6 @@ FORETOLD = 9.0
 """Seconds of a stretch that is foretold from its neighbours."""
 FOUND = 15.0
 """F from which something is locked: without joints the search over ratios reached 14."""
-STEADILY = 0.5
-"""Seconds in which a shaft's inertia hardly changes what it does."""
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
 RIDGE = 1e-9
@@ -273,18 +271,8 @@ class Scene:
     def inputs(self, order: int) -> list[ComplexArray]:
         """Return forces locked to an order: by torque, and the second by speed squared too."""
         turning = wave(order * self.turns)
-        return [load * turning for load in self.loads(order)]
-
-    def loads(self, order: int) -> list[FloatArray]:
-        """Return sizes of the forces of an order.
-
-        The speed squared goes slowly: a tone wheel's wobble, once a turn, would make orders 1 and 3
-        of what torque and speed have in common.
-        """
-        if order != 2:
-            return [self.torque]
-        steady = running_mean(self.speed, max(round(STEADILY / 2 * self.rate), 1))
-        return [self.torque, (steady / 40) ** 2]
+        by_torque = [self.torque * turning]
+        return [*by_torque, (self.speed / 40) ** 2 * turning] if order == 2 else by_torque
 
     def columns(self, order: int, poles: Sequence[tuple[float, float]] = ()) -> ComplexArray:
         """Each force of an order, plain and through each mode, (columns, n)."""
@@ -419,9 +407,10 @@ def _slow(scene: Scene, order: int) -> _Slow:
     m = scene.turns.size // every
     middle = slice(every // 2, m * every, every)
     turning = wave(order * scene.turns[: m * every])
+    loads = [scene.torque, (scene.speed / 40) ** 2] if order == 2 else [scene.torque]
     return _Slow(
         every, scene.rate / every, np.conj(turning), turning[middle],
-        2 * np.pi * order * scene.speed[middle], np.stack(scene.loads(order))[:, middle],
+        2 * np.pi * order * scene.speed[middle], np.stack(loads)[:, middle],
     )  # fmt: skip
 
 

@@ -583,7 +583,7 @@ def _locked(case: _Case, seed: int) -> Identified:
     if not case.angle.trusted:
         # Something is theirs, and what that knocks loose elsewhere no lost angle can follow.
         span = span.up_to(max(case.removed(case.close(x)), ACQUITTED + 0.05), UNTRUSTED)
-        span = span.down_to(0.5 * middle if line.strength >= CLEAR else 0.0)
+        span = span.down_to(0.5 * middle)
     sure = _sure(case, mean, theirs.left + line.wave.real, margin)
     if sure is not None and sure < span.low:
         span = span.down_to(sure, UNHEARD if case.engine is None else ALIKE)
