@@ -220,7 +220,7 @@ def test_a_tone_wheels_wobble_convicts_nobody():
 
 
 def test_a_speeds_noise_adds_up_to_no_angle():
-    """Of 50 readings in a tenth of a second ten had counted: F was 30, of 700 with a clean speed."""
+    """Of five readings one had counted: F was 30, and is some 600 as of a clean speed."""
     truth, answer = asked(wobbling("mixed", noise=5.0))
     assert answer.evidence.strength > 300
     assert answer.evidence.interval[0] <= truth <= answer.evidence.interval[1]

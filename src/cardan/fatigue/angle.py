@@ -129,16 +129,13 @@ class Readings:
         step = float(time[1] - time[0]) if time.size > 1 else 0.0
         if self.period >= step:
             return np.interp(time, self.time, self.value)
-        mean = (self.value[1:] + self.value[:-1]) / 2 * np.diff(self.time)
-        whole = np.append(0.0, np.cumsum(mean))
+        each = (self.value[1:] + self.value[:-1]) / 2 * np.diff(self.time)
         edges = np.append(time - step / 2, time[-1] + step / 2)
-        place = np.clip(np.searchsorted(self.time, edges) - 1, 0, self.time.size - 2)
-        since = np.clip(edges, self.time[0], self.time[-1]) - self.time[place]
-        rise = (self.value[place + 1] - self.value[place]) / (self.time[place + 1] - self.time[place])
-        turns = whole[place] + since * (self.value[place] + rise * since / 2)
-        turned = np.diff(np.clip(edges, self.time[0], self.time[-1]))
-        mean = np.divide(np.diff(turns), turned, out=np.zeros(time.size), where=turned > 0)
-        return np.where(turned > 0, mean, np.interp(time, self.time, self.value))
+        edges = np.clip(edges, self.time[0], self.time[-1])
+        turned = np.diff(np.interp(edges, self.time, np.append(0.0, np.cumsum(each))))
+        span = np.diff(edges)
+        beyond = np.interp(time, self.time, self.value)
+        return np.divide(turned, span, out=beyond, where=span > 0)
 
 
 def readings(speed: FloatArray, *, rate: float) -> Readings:

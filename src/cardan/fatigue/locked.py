@@ -169,9 +169,9 @@ def aligned(
     found.sort(key=lambda one: -one.energy)
     kept: list[Aligned] = []
     made = float(turns[-1] - turns[0])
-    cell = 3 / max(2 * made, 1.0)
+    apart = 3 / max(2 * made, 1.0)
     for one in found:
-        if all(abs(one.ratio - k.ratio) > cell for k in kept):
+        if all(abs(one.ratio - k.ratio) > apart for k in kept):
             kept.append(one)
     return kept[:4]
 
