@@ -132,10 +132,12 @@ class Readings:
         each = (self.value[1:] + self.value[:-1]) / 2 * np.diff(self.time)
         edges = np.append(time - step / 2, time[-1] + step / 2)
         edges = np.clip(edges, self.time[0], self.time[-1])
-        turned = np.diff(np.interp(edges, self.time, np.append(0.0, np.cumsum(each))))
+        before = np.clip(np.searchsorted(self.time, edges) - 1, 0, self.time.size - 2)
+        there = (self.value[before] + np.interp(edges, self.time, self.value)) / 2
+        turned = np.append(0.0, np.cumsum(each))[before] + there * (edges - self.time[before])
         span = np.diff(edges)
         beyond = np.interp(time, self.time, self.value)
-        return np.divide(turned, span, out=beyond, where=span > 0)
+        return np.divide(np.diff(turned), span, out=beyond, where=span > 0)
 
 
 def readings(speed: FloatArray, *, rate: float) -> Readings:
