@@ -1827,7 +1827,7 @@ WEB = (
     mutant("fatigue/angle.py", "turning = _rounded(turning, step)", "turning = 1 * turning",
            "a tone wheel's wobble is the shaft's", "verify/test_cause.py::test_a_tone_wheels_wobble_convicts_nobody"),
     mutant("fatigue/angle.py", "if self.period >= step:", "if step >= 0:",
-           "one reading in five counts", "verify/test_cause.py::test_a_speeds_noise_adds_up_to_no_angle"),
+           "one reading in five counts", "verify/test_cause.py::test_all_readings_of_a_speed_count"),
     mutant("cli/life.py", "claim(*written.named, **outputs)", "claim(**outputs)",
            "an answer is written over a campaign's recording",
            "unit/test_border_writer.py::test_files_that_a_campaign_names_are_read_too"),

@@ -227,6 +227,14 @@ def test_a_speeds_noise_adds_up_to_no_angle():
     assert answer.evidence.finding == INNOCENT
 
 
+def test_all_readings_of_a_speed_count():
+    """A minute of 20 turns/s that scatter by 0.5: a hundredth is what rounding its ends leaves."""
+    rate, n = 500.0, 30_000
+    speed = 20 + 0.5 * np.random.default_rng(1).normal(size=n)
+    turned = np.diff(shaft_angle(speed, rate=rate).rotation.at(np.array([0.5, n / rate - 0.5])))[0]
+    assert turned == pytest.approx(speed[250:-250].sum() / rate, abs=0.02)
+
+
 @pytest.mark.parametrize("changes", [False, True])
 def test_a_tone_at_steady_speed_and_torque_is_anybodys(changes):
     """Guilty, F 763,293, of a pump's 40.02 Hz beside a shaft at 1200 rpm: nothing tells which."""
