@@ -48,8 +48,8 @@ HELD, UPDATE, RARELY = 3, 1.0, 4.0
 it comes to its next speed at most, and seconds between readings at most as they are counted."""
 BESIDE = 10.0
 """Seconds beside a stretch, and its lag, of which the angle is asked with it."""
-TURNING = 0.35
-"""Seconds in which a shaft's speed is a cubic."""
+TURNING, OFTEN = 0.35, 0.02
+"""Seconds in which a shaft's speed is a cubic, and between readings that show a turn's wobble."""
 ABRUPT = 2.0
 """Turns/s from which no shaft falls to nought within a sample."""
 
@@ -334,7 +334,7 @@ def shaft_angle(
             engaged[a:b] &= (b - a) * step <= CARRIED
         turning = np.where(engaged & (dark | stair), geared, own.at(time + late))
         lost = (dark | stair) & ~engaged
-    if not stair:
+    if own.period < OFTEN:
         turning = _rounded(turning, step)
     moving = turning > 1
     unsaid = lost & dark
