@@ -450,6 +450,31 @@ def test_files_that_an_application_names_are_read_too(naming, kind, command):
     assert named[kind].read_bytes() == before
 
 
+@pytest.mark.parametrize("own", ["drive.csv", "bus.csv", "own.yaml", "truck.yaml"])
+@pytest.mark.parametrize(
+    "command",
+    [("life", "CAMPAIGN", "--json"), ("life", "CAMPAIGN", "--pdf"),
+     ("check", "truck.yaml", "--recording", "CAMPAIGN", "--html")],
+)  # fmt: skip
+def test_files_that_a_campaign_names_are_read_too(naming, tmp_path, command, own):
+    """`cardan life campaign.yaml --json bus.csv` replaced a recording by its answer."""
+    for name in ("drive.csv", "bus.csv"):
+        (tmp_path / name).write_text("time_s,S1\n0,1\n")
+    campaign = tmp_path / "campaign.yaml"
+    campaign.write_text(
+        "campaign: c\nrecordings: [{file: drive.csv, beside: [{file: bus.csv}]}]\n"
+        "gauges: ['S1:MPa']\nstrength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}\n"
+        "application: truck.yaml\n"
+    )
+    before = (tmp_path / own).read_bytes()
+    words = (campaign if w == "CAMPAIGN" else naming[0] if w == "truck.yaml" else w
+             for w in command)  # fmt: skip
+    result = run(*words, tmp_path / own)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "that is read" in result.stderr
+    assert (tmp_path / own).read_bytes() == before
+
+
 def test_a_report_from_python_spares_what_was_read(naming):
     truck, named = naming
     named["yaml"].rename(named["yaml"].with_name("own.json"))

@@ -212,7 +212,7 @@ def run(*arguments):
 
 
 def written(tmp_path, columns, name="a.csv", clock="time"):
-    scale = 1e3 if "ms" in clock else 1.0
+    scale = 1e3 if "ms" in clock else 1e9 if "ns" in clock else 1.0
     rows = np.stack([T[: len(next(iter(columns.values())))] * scale, *columns.values()], -1)
     head = ",".join([clock, *columns])
     np.savetxt(tmp_path / name, rows, "%.9g", delimiter=",", header=head, comments="")
@@ -271,7 +271,7 @@ def test_shear_is_said(tmp_path):
     assert quality["verdict"] == "good"
 
 
-@pytest.mark.parametrize("name", ["Time_ms", "time_ms", "Time (ms)", "t ms", "Zeit[ms]"])
+@pytest.mark.parametrize("name", ["Time_ms", "time_ms", "Time (ms)", "t ms", "Zeit[ms]", "time_ns"])
 def test_a_clock_says_its_unit_in_its_name(tmp_path, name):
     path = written(tmp_path, {"S1": clean()}, clock=name)
     for more in ((), ("--time", name.partition("[")[0].partition(" (")[0])):

@@ -5,6 +5,7 @@ import struct
 import subprocess
 import sys
 import wave
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -198,6 +199,30 @@ def test_hdf5(tmp_path):
     (tmp_path / "b.h5").write_bytes((tmp_path / "a.h5").read_bytes()[:3000])
     refused(tmp_path / "b.h5", "HDF5 cannot open")
     refused(tmp_path / "a.h5", "no group", group="fast")
+
+
+def test_hdf5_packed_as_integers(tmp_path):
+    """CF Metadata Conventions 1.11, section 8.1: 1.5e-3 of damage was told for 3.4e-5."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.attrs["sample_rate"] = RATE
+        file["S1"] = np.array([100, 250, -32768, 7] * 10, np.int16)
+        packed = {"scale_factor": [0.5], "add_offset": 3.0, "_FillValue": np.int16(-32768)}
+        file["S1"].attrs.update(packed)
+    kept = open_recording(tmp_path / "a.h5").whole()[0]
+    np.testing.assert_array_equal(kept[:4], [53, 128, np.nan, 6.5])
+
+
+def test_decimals_of_parquet_are_numbers(tmp_path):
+    """It said that the file holds no channel beside time."""
+    pa = pytest.importorskip("pyarrow")
+    import pyarrow.parquet as pq
+
+    values = pa.array([Decimal("12.25"), None, Decimal("-3.50")] * 10, pa.decimal128(7, 2))
+    table = pa.table({"S1": values}).replace_schema_metadata({"rate_Hz": "500"})
+    pq.write_table(table, tmp_path / "a.parquet")
+    kept = open_recording(tmp_path / "a.parquet").whole()[0]
+    np.testing.assert_array_equal(kept[:3], [12.25, np.nan, -3.5])
 
 
 def test_tdms(tmp_path):

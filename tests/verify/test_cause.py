@@ -18,6 +18,7 @@ from cardan.fatigue.evidence import (
     INNOCENT,
     SCALED,
     STEADY,
+    TONE,
     Evidence,
     together,
 )
@@ -197,6 +198,59 @@ def test_a_speed_of_wrong_teeth_tells_nothing(off):
     assert answer.evidence.finding == CANNOT_TELL
     assert SCALED in answer.evidence.doubts
     assert low <= truth <= high + 0.05
+
+
+def wobbling(kind, noise=0.0):
+    """A recording with orders 1 and 3, its tone wheel 8 rpm eccentric: once a turn."""
+    case = made(8, **PLAIN | {"guilt": 0.1, "road": 2.0, "blows": 0, "engine": 0.0, "kind": kind})
+    case.stress += 8 * np.cos(6 * np.pi * case.turns) + 3 * np.cos(2 * np.pi * case.turns)
+    rng = np.random.default_rng(8)
+    wobble = 8 * np.cos(2 * np.pi * case.turns) + noise * rng.normal(size=case.turns.size)
+    case.speed[case.speed > 1] += wobble[case.speed > 1] / 60
+    return case
+
+
+def test_a_tone_wheels_wobble_convicts_nobody():
+    """Through it a mode near order 3 had made order 3 of order 2: guilty, 0.63 at least of 0.06."""
+    truth, answer = asked(wobbling("steady"))
+    low, high = answer.evidence.interval
+    assert truth < 0.1
+    assert low <= truth <= high
+    assert answer.evidence.finding != GUILTY
+
+
+def test_a_speeds_noise_adds_up_to_no_angle():
+    """Of five readings one had counted: F was 30, and is some 600 as of a clean speed."""
+    truth, answer = asked(wobbling("mixed", noise=5.0))
+    assert answer.evidence.strength > 300
+    assert answer.evidence.interval[0] <= truth <= answer.evidence.interval[1]
+    assert answer.evidence.finding == INNOCENT
+
+
+def test_all_readings_of_a_speed_count():
+    """A minute of 20 turns/s that scatter by 0.5: a hundredth is what rounding its ends leaves."""
+    rate, n = 500.0, 30_000
+    speed = 20 + 0.5 * np.random.default_rng(1).normal(size=n)
+    turned = np.diff(shaft_angle(speed, rate=rate).rotation.at(np.array([0.5, n / rate - 0.5])))[0]
+    assert turned == pytest.approx(speed[250:-250].sum() / rate, abs=0.02)
+
+
+@pytest.mark.parametrize("changes", [False, True])
+def test_a_tone_at_steady_speed_and_torque_is_anybodys(changes):
+    """Guilty, F 763,293, of a pump's 40.02 Hz beside a shaft at 1200 rpm: nothing tells which."""
+    rate, n = 500.0, 30_000
+    rng = np.random.default_rng(0)
+    time = np.arange(n) / rate
+    speed = 20 * (1 + changes * 0.03 * np.sin(0.3 * time)) + 1e-3 * rng.normal(size=n)
+    turns = np.cumsum(speed) / rate
+    tone = np.cos(4 * np.pi * turns) if changes else np.cos(2 * np.pi * 40.02 * time)
+    found = identified(
+        1e6 * (40 * tone + rng.normal(size=n)), rate=rate, angle=shaft_angle(speed, rate=rate),
+        torque=np.full(n, 1000.0), damage=damage, engine_orders=(3.0, 6.0),
+    ).evidence  # fmt: skip
+    # Where the speed changes a tone of fixed frequency is none of the shaft's.
+    assert (TONE in found.doubts) != changes
+    assert (found.interval[0] <= 0) != changes
 
 
 def beside_order_2(seed, *, at, by_torque, size=8.0, guilt=0.0):

@@ -95,9 +95,15 @@ def check(
     from cardan.study.sensitivity import sensitivities
 
     say = Language(lang)
+    named: tuple[Path, ...] = ()
+    if recording:
+        from cardan.files.campaign import read as read_campaign
+
+        named = read_campaign(recording, allow_outside=allow_outside).named
     outputs = claim(
-        *files, limits, recording, json_out=json_out, html=html, pdf=pdf, xlsx=xlsx, live=live
-    )
+        *files, limits, recording, *named,
+        json_out=json_out, html=html, pdf=pdf, xlsx=xlsx, live=live,
+    )  # fmt: skip
     if xlsx and len(files) > 1:
         raise CardanError(say("a workbook holds one application: give one file with --xlsx"))
     if recording and len(files) > 1:

@@ -412,6 +412,7 @@ def _campaign(
     allow_outside: bool, say: Any, quiet: bool,
 ) -> None:  # fmt: skip
     """Ask all the recordings of a campaign's file."""
+    from cardan.files.campaign import read as read_campaign
     from cardan.report import life as report
     from cardan.report.screen import folded
     from cardan.study.campaign import keyed
@@ -428,13 +429,16 @@ def _campaign(
         option = beside[0].replace("_", "-")
         msg = f"--{option} is said in the campaign's file, {path.name}, not beside it"
         raise DesignError(msg)
-    claim(
-        path, json_out=json_out, html=html, pdf=pdf, corrected=corrected,
-        load_history=load_history, changed_history=changed_history,
-    )  # fmt: skip
+    outputs = {
+        "json_out": json_out, "html": html, "pdf": pdf, "corrected": corrected,
+        "load_history": load_history, "changed_history": changed_history,
+    }  # fmt: skip
+    claim(path, **outputs)
+    written = read_campaign(path, allow_outside=allow_outside)
+    claim(*written.named, **outputs)
     with progress(say("reading"), quiet=quiet) as line:
         found = listen_to_all(
-            path, allow_outside=allow_outside, draw=bool(html or pdf),
+            written, draw=bool(html or pdf),
             tell=lambda doing, _, __: line.write(report.under_way(doing, say)),
             identified=bool(corrected or load_history), changed=bool(changed_history),
         )  # fmt: skip

@@ -269,9 +269,9 @@ class _Choices:
         if not closed:
             return
         done = damages(join(closed.values()), curve=self.curve, correction=self.correction)
-        ends = np.cumsum([cycles.count.size for cycles in closed.values()])
-        for choice, own in zip(closed, np.split(done, ends[:-1]), strict=True):
-            self.damage[choice] += float(own.sum())
+        of = np.repeat(np.arange(len(closed)), [cycles.count.size for cycles in closed.values()])
+        for choice, own in zip(closed, np.bincount(of, done, len(closed)), strict=True):
+            self.damage[choice] += float(own)
 
     def closed(self, rule: ResidueRule, *, causes: int, whole: float) -> FloatArray:
         """Return the damage of every choice (2^causes,), with that of all causes known."""

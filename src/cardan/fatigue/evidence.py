@@ -29,6 +29,10 @@ STEADY = said(
     "order 2 is the same whatever the torque, and what joints do goes with it: a wheel's, a bent "
     "flange's, or is the torque another's?"
 )
+TONE = said(
+    "neither speed nor torque changes: a tone of its own, of a pump or a fan, would do the same as "
+    "the joints"
+)
 DOUBLED = said("what goes with the torque turns at twice the speed given: is it the shaft's own?")
 HALVED = said("what goes with the torque turns at half the speed given: is it the shaft's own?")
 SCALED = said(
@@ -79,6 +83,7 @@ DOUBTS = (
     ALIKE,
     UNHEARD,
     STEADY,
+    TONE,
     DOUBLED,
     HALVED,
     SCALED,

@@ -66,13 +66,17 @@ class Aligned:
 
 
 def aligned(
-    y: FloatArray, torque: FloatArray, angle: Angle, rate: float, start: float
-) -> list[Aligned]:
+    y: FloatArray, torque: FloatArray, angle: Angle, rate: float, start: float, *,
+    over: float = 0.0,
+) -> list[Aligned]:  # fmt: skip
     """Ratios and lags by the energy that T e^{2iθ} explains, the best first, four at most.
 
     The response is one number in each band of twice the speed, and in each stretch between
     losses of the angle turned by one phase. For each lag all ratios are
     met at once: as a function of the angle, a wrong ratio is a frequency.
+
+    None are returned where at every fourth lag none explains half as much as what it should be
+    `over`: of the energy of a band three lags leave six tenths.
     """
     from scipy.fft import fft, next_fast_len
 
@@ -105,6 +109,7 @@ def aligned(
     # Two cycles a turn, off by the ratio: OFF is 2 TURNS OFF cycles a bin, in both directions.
     off = np.fft.fftfreq(size) / (2 * TURNS)
     near = np.flatnonzero(np.abs(off) <= OFF)
+    blurred = np.sinc(2 * TURNS * off[near]) ** 2
     # Between the lines of the spectrum: a sixth of one is a radian at the ends, and in each of
     # `SHARES` of the whole it is none.
     beside = np.linspace(-0.5, 0.5, 21) / size / (2 * TURNS)
@@ -117,12 +122,12 @@ def aligned(
     amid = (share + np.append(share[1:], count)) // 2 + 0.5
     turned = np.exp(-4j * np.pi * TURNS * np.outer(amid, beside))
     cell = stands[bins]
-    found: list[Aligned] = []
-    for shift in shifts:
+
+    def at(shift: int) -> tuple[FloatArray, list[Aligned]]:
+        """Return the energy by ratio at a lag, and the best there."""
         own = slice(most - shift, most - shift + m)
         if np.count_nonzero(fast[own]) < 100:
-            continue
-        lag = float(shift * step)
+            return np.zeros(1), []
         weight = np.bincount(band[own], np.where(fast[own], square, 0.0), bands)
         busy = weight > 1e-3 * weight.sum()
         row_of = np.where(busy, np.cumsum(busy) - 1, -1)
@@ -137,10 +142,11 @@ def aligned(
         # What turns within a bin is averaged: at the ends of the search it loses this much.
         spectra = fft(grid.astype(np.complex64).take(stands, axis=1), size)[:, near]
         energy = (1 / weight) @ (spectra.real**2 + spectra.imag**2)
-        energy /= np.sinc(2 * TURNS * off[near]) ** 2
+        energy /= blurred
         peaks = off[near[_peaks(energy)[:4]]]
         near_line = wave(-2 * TURNS * place[..., None] * peaks)
         summed = grid.reshape(-1, *place.shape).swapaxes(0, 1) @ near_line
+        best: list[Aligned] = []
         for peak, met in zip(peaks, summed.T, strict=True):
             lines: ComplexArray = met @ turned
             fine = peak + beside
@@ -148,18 +154,24 @@ def aligned(
             sharp = ((np.abs(lines) ** 2) / weight[:, None]).sum(0)
             k = int(np.argmax(sharp))
             zeros, line, power, held = _one_response(lines[:, k], weight, middle, which, many)
-            found.append(
-                Aligned(
-                    1 + float(fine[k]), lag, float((np.abs(line) ** 2 / power).sum()),
-                    held, line / power, power, zeros,
-                )
-            )  # fmt: skip
+            explained = float((np.abs(line) ** 2 / power).sum())
+            ratio = 1 + float(fine[k])
+            best.append(Aligned(ratio, shift * step, explained, held, line / power, power, zeros))
+        return energy, best
+
+    # Every fourth lag from the middle one on tells whether the others are worth it.
+    coarse = np.arange(shifts.size) % 4 == shifts.size // 2 % 4
+    first = [at(int(shift)) for shift in shifts[coarse]]
+    if over and not any(energy.max() >= over / 2 for energy, _ in first):
+        return []
+    others = (at(int(shift)) for shift in shifts[~coarse])
+    found = [one for _, best in (*first, *others) for one in best]
     found.sort(key=lambda one: -one.energy)
     kept: list[Aligned] = []
     made = float(turns[-1] - turns[0])
-    cell = 3 / max(2 * made, 1.0)
+    apart = 3 / max(2 * made, 1.0)
     for one in found:
-        if all(abs(one.ratio - k.ratio) > cell for k in kept):
+        if all(abs(one.ratio - k.ratio) > apart for k in kept):
             kept.append(one)
     return kept[:4]
 
@@ -638,7 +650,7 @@ def wandering(
     power = np.maximum(power, 1e-12 * power.max() + 1e-300)
     off = blocks(rest * np.conj(z)) / power
     ghosts = [
-        np.abs(blocks(rest * np.conj(z * np.exp(2j * np.pi * k / BLOCK * time))) / power) ** 2
+        np.abs(blocks(rest * np.conj(z * wave(k / BLOCK * time))) / power) ** 2
         for k in (-3.5, -2.5, -1.5, 1.5, 2.5, 3.5)
     ]
     noise: FloatArray = np.mean(ghosts, axis=0) + 1e-12

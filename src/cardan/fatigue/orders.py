@@ -611,12 +611,12 @@ def _gram(rows: FloatArray, weight: FloatArray) -> FloatArray:
     weighted = rows * weight[:, None]
     # What two splines make is alike in all spans, and what two rows make either way round.
     powers, both = _pairs(n)
+    low = [_products(weighted[:, k : k + 1] * rows[:, : k + 1], powers) for k in range(p)]
+    one, other = np.tril_indices(p)
+    pairs = (np.concatenate(low, axis=1) @ both.T).reshape(spans, one.size, 4, 4).swapaxes(0, 1)
     gram = np.empty((spans, 4, p, 4, p))
-    for k in range(p):
-        pairs = _products(weighted[:, k : k + 1] * rows[:, : k + 1], powers) @ both.T
-        pairs = pairs.reshape(spans, k + 1, 4, 4).transpose(0, 2, 1, 3)
-        gram[:, :, : k + 1, :, k] = pairs
-        gram[:, :, k, :, : k + 1] = pairs.swapaxes(-1, -2)
+    gram[:, :, other, :, one] = pairs
+    gram[:, :, one, :, other] = pairs
     return gram.reshape(spans, 4 * p, 4 * p)
 
 
@@ -666,9 +666,10 @@ def _products(a: FloatArray, b: FloatArray) -> FloatArray:
     In slices too small for BLAS to start threads on: on a busy machine they cost thirty times
     the work.
     """
-    n, size = b.shape[-1], max(BLAS_ALONE // (a.shape[-2] * b.shape[-2]), 1)
-    parts = [a[..., k : k + size] @ b[:, k : k + size].T for k in range(0, n, size)]
-    return np.sum(parts, axis=0) if len(parts) > 1 else parts[0]
+    n = b.shape[-1]
+    flat, size = a.reshape(-1, n), max(BLAS_ALONE // b.size, 1)
+    parts = [flat[k : k + size] @ b.T for k in range(0, max(len(flat), 1), size)]
+    return np.concatenate(parts).reshape(*a.shape[:-1], len(b))
 
 
 def _numbered(pieces: Iterable[FloatArray]) -> Iterator[FloatArray]:

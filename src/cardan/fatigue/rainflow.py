@@ -11,6 +11,7 @@ closed cycles and the residue counted by halves together are ASTM's rainflow cou
 Sources: ASTM E1049-85 (2017), section 5.4.4; Amzallag et al., Int. J. Fatigue 16 (1994).
 """
 
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
@@ -119,7 +120,8 @@ def four_point(
     if residue.size:
         n, last = residue.size - 1, float(residue[-1])
         stack[:n] = residue[:-1]
-        way = int(np.sign(last - residue[-2])) if n else 0
+        step = last - float(residue[-2]) if n else 0.0
+        way = (step > 0) - (step < 0)
     closed, n, last, way = (kernel or fastest())(x, stack, n, last, way, start, end)
     # Close against the running extreme too: it can only move farther out.
     while n >= 3 and abs(stack[n - 1] - stack[n - 2]) <= min(
@@ -127,11 +129,14 @@ def four_point(
     ):
         start[closed], end[closed] = stack[n - 2], stack[n - 1]
         closed, n = closed + 1, n - 2
-    open_now = stack[:n] if np.isnan(last) else np.append(stack[:n], last)
-    if not (np.isfinite(open_now).all() and np.isfinite(start[:closed] - end[:closed]).all()):
+    if not math.isnan(last):
+        stack[n], n = last, n + 1
+    open_now, start, end = stack[:n].copy(), start[:closed].copy(), end[:closed].copy()
+    # A sum is as finite as all that is in it: of samples that are their sizes go nowhere near.
+    if not math.isfinite(open_now.sum() + (start - end).sum()):
         msg = "samples must be finite or missing (nan), got infinity"
         raise ValueError(msg)
-    return Cycles(start[:closed].copy(), end[:closed].copy(), np.ones(closed)), open_now.copy()
+    return Cycles(start, end, np.ones(closed)), open_now
 
 
 ResidueRule: TypeAlias = Callable[[FloatArray], Cycles]

@@ -47,6 +47,7 @@ from cardan.fatigue.evidence import (
     SCALED,
     SLIPPING,
     STEADY,
+    TONE,
     UNHEARD,
     UNLOADED,
     UNTRUSTED,
@@ -98,6 +99,8 @@ guilty gauges at which it had, all but one (held by other doubts) had 0.33 to 0.
 innocent ones whose damage came in such seconds by chance nine had less."""
 UNMOVED = 1.01
 """Of what goes with a torque, above which an order that is the same under any explains more."""
+ONE_TONE = 0.5
+"""Share of the joints' force that is one tone, from which nothing tells it from a tone."""
 BESIDES = 5.0
 """Hz from order 2 within which another order takes part in what stands about it."""
 
@@ -204,6 +207,12 @@ class _Case:
         """Return ratios and lags of an angle, the best first."""
         return aligned(self.quiet, self.load, angle, self.rate, self.start)
 
+    def other(self, angle: Angle) -> Aligned | None:
+        """Return the best ratio and lag of another angle, if it explains more than the shaft's."""
+        over = self.first.energy
+        found = aligned(self.quiet, self.load, angle, self.rate, self.start, over=over)
+        return found[0] if found and found[0].energy > over else None
+
     def scene(self, option: Aligned, angle: Angle | None = None) -> Scene:
         """Return what turns by an angle, else the shaft's, with a ratio and lag."""
         angle = angle or self.angle
@@ -282,9 +291,8 @@ class _Case:
         for times, doubt in ((2.0, DOUBLED), (0.5, HALVED)):
             scaled = replace(self.angle.rotation, turns=times * self.angle.rotation.turns)
             asked = replace(self.angle, rotation=scaled)
-            others = self.aligned(asked)
-            if others and others[0].energy > self.first.energy:
-                theirs = punctual(others[0], most=self.angle.lag)
+            if found := self.other(asked):
+                theirs = punctual(found, most=self.angle.lag)
                 other = order_line(self.scene(theirs, asked), self.y, 2, most=2)
                 # What turns once a turn with the speed's square is unbalance.
                 by_torque, by_speed = (solved(other.columns[k::2], self.y)[1] for k in (0, 1))
@@ -321,10 +329,11 @@ class _Case:
             return None
         turning = self.angle.rotation
         asked = [replace(self.angle, rotation=turning.geared(times)) for times in SCALES]
-        found = [(o[0].energy, k) for k, a in enumerate(asked) if (o := self.aligned(a))]
-        energy, k = max(found, default=(0.0, 0))
-        other = replace(self, angle=asked[k])
-        return other if energy > self.first.energy and other.line.strength >= FOUND else None
+        found = [(best.energy, k) for k, angle in enumerate(asked) if (best := self.other(angle))]
+        if not found:
+            return None
+        other = replace(self, angle=asked[max(found)[1]])
+        return other if other.line.strength >= FOUND else None
 
     @cached_property
     def steady(self) -> bool:
@@ -343,6 +352,20 @@ class _Case:
             all(alone.first.energy > UNMOVED * law.first.energy for law in (self, root))
             and alone.line.strength >= FOUND
         )
+
+    @cached_property
+    def toned(self) -> bool:
+        """Return whether what the joints do is one tone: its energy is in one line of a spectrum.
+
+        Any other of about that frequency, there all the time, is then as surely locked.
+        """
+        from scipy.fft import fft, next_fast_len
+
+        force = self.best.inputs(2)[0]
+        # Between two lines of a spectrum twice as long a tone keeps four fifths of its energy.
+        lines = fft(force.astype(np.complex64), next_fast_len(2 * force.size))
+        energy = force.size * float(np.vdot(force, force).real)
+        return float(np.abs(lines).max()) ** 2 > ONE_TONE * energy
 
     def following(self) -> tuple[float, float] | None:
         """Share, at least and likely, of what follows order 2 where no engine may; None of others.
@@ -570,6 +593,8 @@ def _locked(case: _Case, seed: int) -> Identified:
         )  # fmt: skip
     if span.low >= CONVICTED and case.steady:
         span = span.down_to(0.0, STEADY)
+    if span.low >= CONVICTED and case.toned:
+        span = span.down_to(0.0, TONE)
     span = case.sudden(x - mean, span)
     if span.high <= ACQUITTED:
         span = case.elsewhere(span)
@@ -645,8 +670,7 @@ class _Theirs:
         return self._slow(middle, gain) * self.lines[0].wave
 
     def _slow(self, middle: FloatArray, gain: ComplexArray) -> ComplexArray:
-        real, imag = (np.interp(self.since, middle, part) for part in (gain.real, gain.imag))
-        return np.asarray(real + 1j * imag, np.complex128)
+        return np.asarray(np.interp(self.since, middle, gain), np.complex128)
 
 
 def _theirs(case: _Case) -> _Theirs:

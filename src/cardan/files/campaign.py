@@ -85,6 +85,8 @@ class Campaigned:
     customer: float = 0.0
     name: str = ""
     """Of its file."""
+    named: tuple[Path, ...] = ()
+    """Files that are read with it: recordings, applications, limits, and what those name."""
 
 
 class SegmentTable(Table):
@@ -375,7 +377,8 @@ def loads(
         raise BadFile(name, tuple(problems)) from None
     if problems:
         raise BadFile(name, tuple(problems))
-    return replace(found, name=Path(name).name)
+    named = tuple(dict.fromkeys(one.path for one in reading.beside))
+    return replace(found, name=Path(name).name, named=named)
 
 
 def title(text: Manuscript) -> str | None:

@@ -53,7 +53,8 @@ def parquet(path: Path) -> Table:
     budget(path, file.metadata.num_rows, file.metadata.num_columns)
     schema = file.schema_arrow
     clocks = [f for f in schema if _ticks(f.type)]
-    numbers = [f for f in schema if pa.types.is_floating(f.type) or pa.types.is_integer(f.type)]
+    kinds = (pa.types.is_floating, pa.types.is_integer, pa.types.is_decimal)
+    numbers = [f for f in schema if any(kind(f.type) for kind in kinds)]
     fields = [f for f in schema if f in numbers or f in clocks]
     _paged(path, file.metadata, {f.name for f in fields})
     left = [f.name for f in schema if f not in fields]
@@ -72,7 +73,7 @@ def parquet(path: Path) -> Table:
                 columns = [
                     begun[n].seconds(batch.column(n))
                     if n in begun
-                    else batch.column(n).to_numpy(zero_copy_only=False)
+                    else _number(batch.column(n)).to_numpy(zero_copy_only=False)
                     for n in names
                 ]
                 kind = np.result_type(np.float32, *columns)
@@ -93,6 +94,13 @@ def parquet(path: Path) -> Table:
         rows=rows, rate=_said(path, schema.metadata or {}), samples=file.metadata.num_rows,
         notes=notes,
     )  # fmt: skip
+
+
+def _number(column: Any) -> Any:
+    """Return a column of numbers as NumPy knows them: decimals as floats."""
+    import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]
+
+    return column.cast(pa.float64()) if pa.types.is_decimal(column.type) else column
 
 
 def _paged(path: Path, of: Any, names: set[str]) -> None:
@@ -214,6 +222,25 @@ def _inside(path: Path, file: Any, group: str) -> Any:
     return home
 
 
+def _unpacked(item: Any, first: int) -> FloatArray:
+    """Return a stretch of a dataset from a sample on, as its attributes say it is packed.
+
+    Source: CF Metadata Conventions 1.11, sections 2.5.1 (missing data) and 8.1 (packed data).
+    """
+    stored = item[first : first + SIZE]
+    numbers = {
+        name: float(np.ravel(item.attrs[name])[0])
+        for name in ("scale_factor", "add_offset", "_FillValue", "missing_value")
+        if name in item.attrs and np.asarray(item.attrs[name]).dtype.kind in "fiu"
+        and np.size(item.attrs[name])
+    }  # fmt: skip
+    x = stored.astype(float)
+    for name in ("_FillValue", "missing_value"):
+        if name in numbers:
+            x[x == numbers[name]] = np.nan
+    return x * numbers.get("scale_factor", 1.0) + numbers.get("add_offset", 0.0)
+
+
 def _datasets(path: Path, *, sets: dict[str, Any], rate: float | None) -> Table:
     """Return HDF5 datasets of one length as a table."""
     items = list(sets.values())
@@ -222,7 +249,7 @@ def _datasets(path: Path, *, sets: dict[str, Any], rate: float | None) -> Table:
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         try:
             for first in range(0, samples, SIZE):
-                yield np.stack([items[k][first : first + SIZE].astype(float) for k in places])
+                yield np.stack([_unpacked(items[k], first) for k in places])
         except OSError as error:
             raise bad(path, f"it is damaged: {error}") from error
 

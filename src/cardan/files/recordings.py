@@ -18,8 +18,8 @@ from cardan.border.document import visible
 from cardan.fatigue.recording import Channel, Recording
 
 TIME_UNITS = {
-    "": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "us": 1e-6, "µs": 1e-6, "μs": 1e-6,
-    "h": 3600.0,
+    "": 1.0, "s": 1.0, "sec": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9,
+    "min": 60.0, "h": 3600.0,
 }  # fmt: skip
 _TIME = re.compile(
     r"(time|timestamp|zeit|tempo|temps|t)(?:[\s_]*[\[(]?(\w+)[\])]?)?", re.IGNORECASE

@@ -44,6 +44,10 @@ class Counted(Protocol):
 DRAWS = 2000
 """Parts drawn about the likeliest failure."""
 
+BEND = 0.2
+"""Standard deviations over which the surface of failure bends: at a knee of the curve every cycle
+makes a kink, and one kink is no bend."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Strained:
@@ -227,7 +231,7 @@ def odds(one: Counted, plan: Plan, *, hours: float, miner_scatter: float, seed: 
     except NotConverged:
         return Odds(hours=hours, first=None, second=None, sampled=None)
     try:
-        second = sorm(limit, variables, around=first)
+        second = sorm(limit, variables, around=first, h=BEND)
     except NotConverged:
         second = None
     # About a failure that is likelier than not few draws would tell of the parts that hold.
