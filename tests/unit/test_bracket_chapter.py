@@ -188,6 +188,38 @@ def test_a_case_on_a_state_is_told_at_the_worst_of_its_points(found):
     assert told.life is None
 
 
+def test_a_state_is_told_where_it_stresses_most_and_where_it_swings_most(found):
+    """Each operating point judged by itself: what adds up to most force is worst in neither."""
+    solved, turn = found.variants[0].solved, np.linspace(0, 2 * np.pi, 32, endpoint=False)[:, None]
+    means = [[0, 0, 5000.0], [0, 1500, 0], [0, 100, 0], [100, 0, 0]]
+    waves = [[0, 0, 100.0], [0, 300, 100], [200, 700, 0], [100, 100, 0]]
+    among = tuple(
+        Case("gvw", np.pad(m + np.cos(turn) * w, ((0, 0), (0, 6))), 0.5, 0.01,
+             what="worst point", point=Point(f"gear {k}", "drive", 20.0 + k, 1000.0))
+        for k, (m, w) in enumerate(zip(means, np.array(waves), strict=True))
+    )  # fmt: skip
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: solved)
+
+        def judged(*cases):
+            return judge(found.bracket, found.bracket.shape, cases).outcomes
+
+        stressed, swung = judged(replace(among[0], among=among))
+        apart = judged(*among)
+    hot, used = [o.hot.max() for o in apart], [np.nanmax(o.used) for o in apart]
+    assert np.linalg.norm(means, axis=1).argmax() == 0
+    assert (np.argmax(hot), np.argmax(used)) == (1, 2)
+    assert (stressed.case.point, swung.case.point) == (among[1].point, among[2].point)
+    assert stressed.hot.max() == pytest.approx(max(hot), rel=1e-12)
+    assert np.nanmax(swung.used) == pytest.approx(max(used), rel=1e-12)
+    assert str(swung.case.when) == "gvw: widest swing"
+    # One that is worst in both is told once.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: solved)
+        (both,) = judged(replace(among[0], among=(among[0], among[3], among[1])))
+    assert both.case.point == among[1].point
+
+
 @pytest.fixture(scope="module")
 def hung(found) -> BracketAnswer:
     """The same bracket under a line on rubber: the solution is the same."""
@@ -241,7 +273,7 @@ def test_the_bracket_s_own_swing_counts(hung, found):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: made)
         shaken, still = (
-            judge(found.bracket, found.bracket.shape, [replace(case, shakes=s)]).outcomes[0]
+            judge(found.bracket, found.bracket.shape, [replace(case, shakes=s, among=())]).outcomes[0]
             for s in (True, False)
         )
     assert shaken.amplitude.max() > 1.001 * still.amplitude.max()

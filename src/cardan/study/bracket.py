@@ -24,11 +24,10 @@ from cardan.bracket.refine import LEVELS
 from cardan.bracket.solve import Held
 from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
-from cardan.fatigue.critical import farthest
 from cardan.loads.cycle import Cycle
 from cardan.model.application import RIDING, Application
 from cardan.model.bracket import Bracket, BracketCase, Shape
-from cardan.quantity.points import every, run
+from cardan.quantity.points import Points, every, run
 from cardan.quantity.response import Response, respond
 from cardan.study.bracket_forced import hung, on_rubber, swept
 from cardan.study.bracket_judge import Case, Judged, Mounted, judge
@@ -254,12 +253,13 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
     yield from (Case(c.name, _by_hand(bracket, c)[None]) for c in bracket.cases if not c.state)
     if response.line.joint_count < 3:
         return
+    found = every(response)
     for s, state in enumerate(response.demand.states):
-        yield from (own := [*_of_state(bracket, response, s)])
+        yield from (own := [*_of_state(bracket, response, s, found)])
         if not any(c.state == state for c in bracket.cases):
             continue
         # What the case adds may be worst where the state alone is not.
-        under = [*own[-1:], *_elsewhere(bracket, response, s)]
+        under = own[-1].among or own[-1:] if own else ()
         for c in bracket.cases:
             if c.state == state:
                 if not under:
@@ -272,7 +272,7 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
                 among = tuple(
                     replace(u, name=c.name, what="", loads=u.loads + more, once=True) for u in under
                 )
-                yield Case(c.name, farthest(np.concatenate([a.loads for a in among])), among=among)
+                yield replace(among[0], among=among)
 
 
 def _by_hand(bracket: Bracket, case: BracketCase, *, standing: float = 0.0) -> FloatArray:
@@ -288,8 +288,8 @@ def _by_hand(bracket: Bracket, case: BracketCase, *, standing: float = 0.0) -> F
     return np.concatenate([force, case.moment, a])
 
 
-def _of_state(bracket: Bracket, response: Response, s: int) -> Iterator[Case]:
-    """Yield the cases of one state, that of its worst point last."""
+def _of_state(bracket: Bracket, response: Response, s: int, found: Points | None) -> Iterator[Case]:
+    """Yield the cases of one state, that of its worst point, of those found, last."""
     state, at = response.demand.states[s], (s, bracket.bearing - 1)
     forces, once = response.loads.bearing_forces, response.unbalance
     speed, gravity = float(response.demand.speed[s]), response.gravity
@@ -305,15 +305,14 @@ def _of_state(bracket: Bracket, response: Response, s: int) -> Iterator[Case]:
             state, forces=Cycle(worst.running.cycle.waves[at]), gravity=gravity,
             speed=point.speed, once=float(worst.running.order1[at]) if once else None,
         )  # fmt: skip
-        shakes = bool(response.seats)
-        yield replace(case, what="worst point", point=point, shakes=shakes)
+        # Where the parts of its force add up to most, neither its stress nor its swing need be most.
+        here = replace(case, what="worst point", point=point, shakes=bool(response.seats))
+        others = _elsewhere(bracket, response, s, found) if found else ()
+        yield replace(here, among=(here, *others))
 
 
-def _elsewhere(bracket: Bracket, response: Response, s: int) -> Iterator[Case]:
+def _elsewhere(bracket: Bracket, response: Response, s: int, found: Points) -> Iterator[Case]:
     """Yield the case of each operating point of a state that its bearing was asked at."""
-    found = every(response)
-    if found is None:
-        return
     state, once = response.demand.states[s], response.unbalance
     for p in range(len(found.speed)):
         point = found.named((p, s))

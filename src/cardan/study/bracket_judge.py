@@ -54,6 +54,10 @@ _PLACES = 6
 """Such places of each feature, which every moment is asked of."""
 _NEARLY = 0.7
 """Share of the worst swing of a feature, by few moments, from which a place is asked of all."""
+_MORE = 1.01
+"""Times its swing at the point of most stress, above which the point of most swing is told too."""
+SWINGS = "widest swing"
+"""What a case of a state takes where it swings most, if that is not where it stresses most."""
 _AT_ONCE = 2000
 """Places whose planes are held at once: under 100 MB."""
 
@@ -83,13 +87,17 @@ class Case:
     once: bool = False
     """Whether nobody knows how often it happens: it does no damage."""
     among: tuple["Case", ...] = ()
-    """The same at each operating point: of these the worst is told. `loads` are then those that go
-    farthest, which the mesh is made for."""
+    """The same at each operating point: of these the worst is told."""
 
     @property
     def when(self) -> Occasion:
         """The case as an occasion of checks."""
         return Occasion("case", self.name, self.what)
+
+    @property
+    def far(self) -> FloatArray:
+        """The loads (k, 9) that a mesh is made for: of many points those that go farthest."""
+        return farthest(np.concatenate([c.loads for c in self.among])) if self.among else self.loads
 
     @property
     def repeats(self) -> bool:
@@ -617,7 +625,7 @@ def judge(
     riding = [case for parts in (duty or {}).values() for _, case in parts]
     task = Task(
         shape=shape, material=bracket.material, element=bracket.element, order=bracket.order,
-        cases=tuple(c.loads for c in (*cases, *riding)), weights=_weights(strength),
+        cases=tuple(c.far for c in (*cases, *riding)), weights=_weights(strength),
         gauges=bracket.gauges, carried_mass=bracket.carried_mass, rubber=bracket.rubber,
         loss=bracket.loss, levels=levels, bolted=bracket.bolts is not None,
     )  # fmt: skip
@@ -633,7 +641,7 @@ def judge(
         cases, duty, swept = on.cases, on.duty, on.swept
     told(f"stresses of {len(cases)} load cases")
     ways, known = _ways(solved)
-    cases = [_worst_of(case, ways) for case in cases]
+    cases = [worst for case in cases for worst in _worst_of(case, ways, strength)]
     error = np.array([solved.error.get(key, 0.0) for key in known])
     modulus = bracket.material.youngs_modulus
     outcomes, peaks = _outcomes(cases, solved, ways, error, strength, modulus)
@@ -705,19 +713,37 @@ def _bare(case: Case, way: _Way) -> FloatArray:
     return way.loads(case)[:, : len(UNITS)]
 
 
-def _worst_of(case: Case, ways: Sequence[_Way]) -> Case:
-    """Return of the operating points a case may meet that where it stresses most, held either way.
+def _worst_of(
+    case: Case, ways: Sequence[_Way], strength: Mapping[Zone, Strength]
+) -> Iterator[Case]:
+    """Yield of the operating points a case may meet that where it stresses most, held either way.
 
-    It is sought at the places that its farthest loads stress most.
+    Of a case that repeats also that where it swings most, by what its zones bear: where parts add
+    up to most force, neither need be. Sought at the places that the farthest loads, and the
+    farthest swings, stress most.
     """
     if not case.among:
-        return case
-    worst = np.zeros(len(case.among))
+        yield case
+        return
+    stress, swing = np.zeros((2, len(case.among)))
     for way in ways:
-        unit = way.unit[np.unique(way.places(way.loads(case)))]
-        most = [envelope(unit, way.loads(one)).max() for one in case.among]
-        worst = np.maximum(worst, most)
-    return replace(case.among[int(worst.argmax())], among=case.among)
+        each = [way.loads(one) for one in case.among]
+        swung = [one - one.mean(axis=0) for one in each]
+        far = [way.places(farthest(np.concatenate(of), way.worth)) for of in (each, swung)]
+        at = np.unique(far)
+        stress = np.maximum(stress, [envelope(way.unit[at], one).max() for one in each])
+        if case.repeats:
+            most = [
+                _swing_at(
+                    way, at, np.split(loads, one.places), strength, np.ones(way.count)
+                )[0].max()
+                for one, loads in zip(case.among, each, strict=True)
+            ]  # fmt: skip
+            swing = np.maximum(swing, most)
+    worst = int(stress.argmax())
+    yield replace(case.among[worst], among=case.among)
+    if case.repeats and swing.max() > _MORE * swing[worst]:
+        yield replace(case.among[int(swing.argmax())], what=SWINGS)
 
 
 def _held(o: Outcome, contact: Contact, way: _Way) -> Outcome:
