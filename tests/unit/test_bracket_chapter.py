@@ -268,12 +268,12 @@ def test_the_bracket_s_own_swing_counts(hung, found):
         return replace(held, swing=replace(held.swing, seat=seat))
 
     made = replace(solved, sliding=slower(solved.sliding), clamped=slower(solved.clamped))
-    case = hung.variants[0].outcomes[-1].case
+    case = replace(hung.variants[0].outcomes[-1].case, among=())
     assert case.shakes
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: made)
         shaken, still = (
-            judge(found.bracket, found.bracket.shape, [replace(case, shakes=s, among=())]).outcomes[0]
+            judge(found.bracket, found.bracket.shape, [replace(case, shakes=s)]).outcomes[0]
             for s in (True, False)
         )
     assert shaken.amplitude.max() > 1.001 * still.amplitude.max()

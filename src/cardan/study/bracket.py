@@ -305,7 +305,7 @@ def _of_state(bracket: Bracket, response: Response, s: int, found: Points | None
             state, forces=Cycle(worst.running.cycle.waves[at]), gravity=gravity,
             speed=point.speed, once=float(worst.running.order1[at]) if once else None,
         )  # fmt: skip
-        # Where the parts of its force add up to most, neither its stress nor its swing need be most.
+        # Where its force is most by its parts, neither stress nor swing need be.
         here = replace(case, what="worst point", point=point, shakes=bool(response.seats))
         others = _elsewhere(bracket, response, s, found) if found else ()
         yield replace(here, among=(here, *others))
