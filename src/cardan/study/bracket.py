@@ -176,8 +176,11 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
     if quantity == "bracket_stress_utilisation" and strength:
         for o in variant.outcomes:
             worst = int(np.argmax(o.hot))
-            used = float(o.hot[worst]) / strength
-            yield _Value(o.case.when, variant.features[worst].part, used, o.case.point)
+            used, off = o.hot / strength, o.error / strength
+            yield _Value(
+                o.case.when, variant.features[worst].part, float(used[worst]), o.case.point,
+                within=(max(float((used - off).max()), 0.0), float((used + off).max())),
+            )  # fmt: skip
     if quantity == "bracket_fatigue_utilisation":
         yield from _fatigue(variant)
     if quantity == "bracket_life":
@@ -211,7 +214,10 @@ def _fatigue(variant: Judged) -> Iterator[_Value]:
         worst = max(lasting, key=lambda o: float(np.nanmax(o.used[mine], initial=0.0)))
         at = max(mine, key=lambda k: float(np.nan_to_num(worst.used[k])))
         part, used = variant.features[at].part, float(worst.used[at])
-        yield _Value(worst.case.when, part, used, worst.case.point)
+        # Where the error may lie that way, another feature may use more, or another case.
+        ends = np.nan_to_num([o.used_within[mine] for o in lasting], posinf=np.inf)
+        low, high = ends.max(axis=(0, 1)).tolist()
+        yield _Value(worst.case.when, part, used, worst.case.point, within=(low, high))
 
 
 def _unanswered(

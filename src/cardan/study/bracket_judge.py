@@ -171,6 +171,8 @@ class Outcome:
     used : (features,)
         That swing at zero mean over the amplitude its zone bears at the knee; nan where none
         is stated, or of a load by itself.
+    used_within : (features, 2)
+        The same where its stress is lower, and higher, by its error.
     strain : (gauges, 2)
         Smallest and largest reading.
     bolts : (b,) N
@@ -202,6 +204,7 @@ class Outcome:
     mean: FloatArray
     amplitude: FloatArray
     used: FloatArray
+    used_within: FloatArray
     strain: FloatArray
     bolts: FloatArray
     motion: Metre
@@ -335,7 +338,13 @@ class _Way:
     held: Held
     points: FloatArray
     feature: IntArray
-    count: int
+    kinds: IntArray
+    """Of its features the place of their zone in `ZONES`, (features,)."""
+
+    @property
+    def count(self) -> int:
+        """How many features both ways have."""
+        return len(self.kinds)
 
     @cached_property
     def unit(self) -> FloatArray:
@@ -433,7 +442,7 @@ def _ways(solved: Solved) -> tuple[tuple[_Way, ...], tuple[tuple[int, int], ...]
             held,
             held.zones.points(solved.nodes),
             np.array([place[f] for f in held.zones.features])[held.zones.feature],
-            len(every),
+            np.array([kind for kind, _ in every]),
         )
         for held in solved.both
     )
@@ -478,9 +487,10 @@ def _swing_at(
     for block in _blocks(len(places)):
         at = places[block]
         stress = on_planes(way.unit[at], plane_directions(way.held.zones.normals[at]))
+        more, kind = times[way.feature[at]][:, None], way.held.zones.kind[at]
         for one in passes:
             mean, amplitude = swings(stress, one)
-            share = _used(way, at, mean, amplitude, strength, times) if strength else amplitude
+            share = _used(kind, more * mean, more * amplitude, strength) if strength else amplitude
             plane = share.argmax(axis=-1)[:, None]
             found = [np.take_along_axis(v, plane, 1)[:, 0] for v in (share, mean, amplitude)]
             best[:, block] = np.where(found[0] > best[0, block], found, best[:, block])
@@ -493,19 +503,13 @@ def _blocks(count: int) -> list[slice]:
 
 
 def _used(
-    way: _Way,
-    at: IntArray,
-    mean: FloatArray,
-    amplitude: FloatArray,
-    strength: Mapping[Zone, Strength],
-    times: FloatArray,
+    kind: IntArray, mean: FloatArray, amplitude: FloatArray, strength: Mapping[Zone, Strength]
 ) -> FloatArray:
-    """Return the share (m, planes) of its zone's fatigue limit that swings at places use."""
-    more, kind = times[way.feature[at]][:, None], way.held.zones.kind[at]
+    """Return the share (m, ...) of the fatigue limit of zones (m,) of a kind that swings use."""
     used = np.zeros_like(amplitude)
     for zone in np.unique(kind).tolist():
         own = kind == zone
-        used[own] = strength[ZONES[zone]].used((more * amplitude)[own], (more * mean)[own])
+        used[own] = strength[ZONES[zone]].used(amplitude[own], mean[own])
     return used
 
 
@@ -849,6 +853,12 @@ def _outcome(
             within = _span(way, worn, passes, strength, error) * way.has[:, None]
             span = np.fmax(span, within)
             spent = np.fmax(spent, done)
+    swung_within = np.full((count, 2), np.nan)
+    if strength and case.repeats:
+        ends = [times * (1 + sign * np.minimum(error, 1.0)) for sign in (-1, 1)]
+        swung_within = np.stack([
+            _used(ways[0].kinds, more * mean, more * amplitude, strength) for more in ends
+        ], axis=-1)  # fmt: skip
     sliding = ways[0]
     loads = sliding.loads(case)
     strain = superpose(sliding.influence[..., None], loads)[..., 0]
@@ -872,6 +882,7 @@ def _outcome(
         mean=mean,
         amplitude=amplitude,
         used=swung if strength and case.repeats else np.full(count, np.nan),
+        used_within=swung_within,
         strain=np.stack([strain.min(axis=-1), strain.max(axis=-1)], axis=-1),
         bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
         motion=float(np.linalg.norm(motion, axis=-1).max()),
@@ -1006,7 +1017,7 @@ def _sorted(o: Outcome, order: IntArray) -> Outcome:
     """Return an outcome with its features in order."""
     return replace(
         o, hot=o.hot[order], error=o.error[order], mean=o.mean[order],
-        amplitude=o.amplitude[order], used=o.used[order],
+        amplitude=o.amplitude[order], used=o.used[order], used_within=o.used_within[order],
         times=None if o.times is None else o.times[order],
         life=o.life.at(order) if o.life else None,
     )  # fmt: skip
