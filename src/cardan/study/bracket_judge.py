@@ -7,7 +7,7 @@ a feature is the worse of the two.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain
 from typing import NamedTuple, TypeAlias
 
@@ -30,10 +30,10 @@ from cardan.fatigue.critical import (
     Pass,
     along,
     farthest,
-    largest_cycles,
     on_planes,
     plane_damage,
     plane_directions,
+    reach,
     swings,
 )
 from cardan.fatigue.rainflow import turns
@@ -52,8 +52,6 @@ _STRAIGHT = np.cos(np.radians(30))
 """Of the angle between a force and the way out of the frame, below which it pulls straight off."""
 _PLACES = 6
 """Such places of each feature, which every moment is asked of."""
-_NEARLY = 0.7
-"""Share of the worst swing of a feature, by few moments, from which a place is asked of all."""
 _MORE = 1.01
 """Times its swing at the point of most stress, above which the point of most swing is told too."""
 SWINGS = "widest swing"
@@ -107,6 +105,9 @@ class Case:
 
 Duty: TypeAlias = Mapping[Occasion, Sequence[tuple[float, Case]]]
 """The histories of a duty cycle with their shares, in each state that lasts."""
+
+Swings: TypeAlias = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""From stresses (m, planes, c) Pa of loads to mean and amplitude (m, planes) of a pass."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -459,37 +460,50 @@ def _swing(
     """Return what the normal stress uses of a fatigue limit at every place, its mean and amplitude.
 
     On the plane that uses most; of so many `times` (features,) the stress that is told. Where no
-    zone's limit is stated, the amplitude itself; far from the worst of a feature, 0. Where von
-    Mises stress is highest may be far from there: what is steady swings nothing. Every place
-    is asked at the moments where loads go farthest, of all passes, which tell a swing nearly, and
-    those near the worst of their feature at every moment.
+    zone's limit is stated, the amplitude itself; where it cannot be the worst of a feature, 0.
+    Where von Mises stress is highest may be far from there: what is steady swings nothing.
     """
-    passes = np.split(loads, places)
-    moments = [farthest(loads, way.worth)]
-    every = _swing_at(way, np.arange(len(way.feature)), moments, strength, times)
-    best = np.zeros(way.count)
-    np.maximum.at(best, way.feature, every[0])
-    near = np.flatnonzero(every[0] >= _NEARLY * best[way.feature])
-    every[:] = 0.0
-    every[:, near] = _swing_at(way, near, passes, strength, times)
+    passes = np.stack(np.split(loads, places))
+    swings_at = partial(_swing_at, way, strength=strength, times=times)
+    every = np.zeros((3, len(way.feature)))
+    most = swings_at(np.arange(len(way.feature)), [reach(passes, way.worth).swings])[0]
+    for at in _in_turn(way, most, every[0]):
+        every[:, at] = swings_at(at, [partial(swings, loads=one) for one in passes])
     return every[0], every[1], every[2]
+
+
+def _in_turn(way: _Way, most: FloatArray, found: FloatArray) -> Iterator[IntArray]:
+    """Yield the places that may be the worst of their feature: at `most` so bad, so bad as `found`.
+
+    Those where it may be worst; then all where it may be worse than was found there meanwhile.
+    """
+    first = np.unique(way.highest(most))
+    yield first
+    best = np.zeros(way.count)
+    np.maximum.at(best, way.feature[first], found[first])
+    rest = most > best[way.feature]
+    rest[first] = False
+    yield np.flatnonzero(rest)
 
 
 def _swing_at(
     way: _Way,
     places: IntArray,
-    passes: Sequence[FloatArray],
+    passes: Sequence[Swings],
     strength: Mapping[Zone, Strength],
     times: FloatArray,
 ) -> FloatArray:
-    """Return use, mean and amplitude (3, m) at some places, in the pass that uses most."""
+    """Return use, mean and amplitude (3, m) at some places, in the pass that uses most.
+
+    A pass says what mean and amplitude it makes of stresses (m, planes, c).
+    """
     best = np.zeros((3, len(places)))
     for block in _blocks(len(places)):
         at = places[block]
         stress = on_planes(way.unit[at], plane_directions(way.held.zones.normals[at]))
         more, kind = times[way.feature[at]][:, None], way.held.zones.kind[at]
         for one in passes:
-            mean, amplitude = swings(stress, one)
+            mean, amplitude = one(stress)
             share = _used(kind, more * mean, more * amplitude, strength) if strength else amplitude
             plane = share.argmax(axis=-1)[:, None]
             found = [np.take_along_axis(v, plane, 1)[:, 0] for v in (share, mean, amplitude)]
@@ -537,13 +551,19 @@ def _damage(
 
 def _at_most(way: _Way, passes: Sequence[Pass], strength: Mapping[Zone, Strength]) -> FloatArray:
     """Return what damage passes may do at every place (m,): as if each cycle were the largest."""
-    most, count = np.zeros(len(way.feature)), max(p.loads.shape[1] for p in passes)
+    most = np.zeros(len(way.feature))
+    held = [reach(p.loads, way.worth) for p in passes]
     for block in _blocks(len(way.feature)):
         at = np.arange(len(way.feature))[block]
+        stress = on_planes(way.unit[at], plane_directions(way.held.zones.normals[at]))
         for mine, own, harm in _by_zone(way, at, passes, strength):
-            unit, normals = way.unit[at[mine]], way.held.zones.normals[at[mine]]
-            most[at[mine]] = largest_cycles(unit, normals, own, harm=harm).max(axis=1)
-    return most * max(count // 2, 1)
+            done = np.zeros(stress[mine].shape[:2])
+            for one, within in zip(own, held, strict=True):
+                mean, amplitude = within.swings(stress[mine])
+                more = np.broadcast_to(one.scale, len(mine))[:, None]
+                done += one.times * within.cycles * harm(more * amplitude, more * mean)
+            most[at[mine]] = done.max(axis=1)
+    return most
 
 
 def _by_zone(
@@ -564,17 +584,12 @@ def _worn(
 ) -> tuple[IntArray, FloatArray]:
     """Return the place (features,) where passes do each feature most damage, and how much.
 
-    Counted where they may do most, then wherever they may do more than was found there.
+    Counted wherever they may do most.
     """
     most = _at_most(way, passes, strength)
-    first = way.highest(most)
     done = np.full(len(most), -1.0)
-    at = np.unique(first)
-    done[at] = _damage(way, at, passes, strength)
-    found = np.zeros(way.count)
-    np.maximum.at(found, way.feature[at], done[at])
-    rest = np.flatnonzero((done < 0) & (most > found[way.feature]))
-    done[rest] = _damage(way, rest, passes, strength)
+    for at in _in_turn(way, most, done):
+        done[at] = _damage(way, at, passes, strength)
     top = way.highest(done)[:, 0]
     return top, np.where(way.has, done[top], 0.0)
 
@@ -735,15 +750,20 @@ def _worst_of(
         swung = [one - one.mean(axis=0) for one in each]
         far = [way.places(farthest(np.concatenate(of), way.worth)) for of in (each, swung)]
         at = np.unique(far)
+
+        def swings_at(of: Sequence[Swings], way: _Way = way, at: IntArray = at) -> float:
+            return float(_swing_at(way, at, of, strength, np.ones(way.count))[0].max())
+
         stress = np.maximum(stress, [envelope(way.unit[at], one).max() for one in each])
         if case.repeats:
-            most = [
-                _swing_at(
-                    way, at, np.split(loads, one.places), strength, np.ones(way.count)
-                )[0].max()
-                for one, loads in zip(case.among, each, strict=True)
-            ]  # fmt: skip
-            swing = np.maximum(swing, most)
+            passes = [
+                np.stack(np.split(v, c.places)) for v, c in zip(each, case.among, strict=True)
+            ]
+            most = [swings_at([reach(p, way.worth).swings]) for p in passes]
+            for k in np.argsort(most)[::-1].tolist():
+                if most[k] <= swing.max():  # nor do those after it swing more
+                    break
+                swing[k] = max(swing[k], swings_at([partial(swings, loads=p) for p in passes[k]]))
     worst = int(stress.argmax())
     yield replace(case.among[worst], among=case.among)
     if case.repeats and swing.max() > _MORE * swing[worst]:
