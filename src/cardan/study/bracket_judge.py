@@ -353,6 +353,14 @@ class _Way:
         return np.concatenate([self.held.unit, self.held.swing.unit], axis=1)
 
     @cached_property
+    def planes(self) -> FloatArray:
+        """Normal stress (places, planes, c) Pa of each column of its loads."""
+        directions = plane_directions(self.held.zones.normals)
+        return np.concatenate([
+            on_planes(self.unit[at], directions[at]) for at in _blocks(len(self.unit))
+        ])  # fmt: skip
+
+    @cached_property
     def worth(self) -> FloatArray:
         """How much each column of its loads stresses, (c,) Pa."""
         return np.sqrt(np.mean(self.unit**2, axis=(0, 2)))
@@ -500,7 +508,7 @@ def _swing_at(
     best = np.zeros((3, len(places)))
     for block in _blocks(len(places)):
         at = places[block]
-        stress = on_planes(way.unit[at], plane_directions(way.held.zones.normals[at]))
+        stress = way.planes[at]
         more, kind = times[way.feature[at]][:, None], way.held.zones.kind[at]
         for one in passes:
             mean, amplitude = one(stress)
@@ -555,7 +563,7 @@ def _at_most(way: _Way, passes: Sequence[Pass], strength: Mapping[Zone, Strength
     held = [reach(p.loads, way.worth) for p in passes]
     for block in _blocks(len(way.feature)):
         at = np.arange(len(way.feature))[block]
-        stress = on_planes(way.unit[at], plane_directions(way.held.zones.normals[at]))
+        stress = way.planes[at]
         for mine, own, harm in _by_zone(way, at, passes, strength):
             done = np.zeros(stress[mine].shape[:2])
             for one, within in zip(own, held, strict=True):
