@@ -1,8 +1,11 @@
 """What may break apart breaks nothing: a process of its own, an estimate, smaller fillets."""
 
+import errno
 import os
 import re
+import resource
 import signal
+import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -97,6 +100,35 @@ def test_what_takes_too_long_or_too_much_is_stopped():
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="does not tell what it worked")
+def big(count, _tell):
+    return np.zeros(count)
+
+
+def full(_tell):
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_full_folder_for_temporary_files_is_not_the_kernel_s_fault(tmp_path, monkeypatch):
+    """A file may have no more than 64 kB: an answer of 80 MB does not fit, nor what asks for it."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    told = rf"temporary files, {tmp_path}, cannot be written .*TMPDIR"
+    with pytest.raises(DesignError, match=told):
+        apart(full, tell=print, **LIMITS)
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (65536, hard))
+    try:
+        for function, asked in ((big, 10_000_000), (add, np.zeros(20_000))):
+            with pytest.raises(DesignError, match=told):
+                apart(function, asked, *([1.0] if function is add else []), tell=print, **LIMITS)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        signal.signal(signal.SIGXFSZ, before)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "nowhere"))
+    with pytest.raises(DesignError, match=r"temporary files, .*nowhere, cannot be written"):
+        apart(add, 1.0, 1.0, tell=print, **LIMITS)
+
+
 def test_who_waits_for_a_busy_processor_is_not_stopped_for_it():
     """It sleeps for twice its seconds. A bracket was stopped, with 183 of its 900 s worked."""
     assert apart(sleep, 4.0, tell=print, memory=4e9, seconds=2.0) is None
