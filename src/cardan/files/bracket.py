@@ -36,6 +36,7 @@ from cardan.fatigue.detail import sheet_amplitude
 from cardan.files.catalogue import ADetail, AMaterial
 from cardan.model.application import Installed
 from cardan.model.bracket import (
+    ZONES,
     Bolts,
     Bracket,
     BracketCase,
@@ -80,7 +81,10 @@ DEFAULTS: dict[Zone, str] = {
     "cut edge": "iiw-edge-125", "weld toe": "iiw-hotspot-90", "bolt border": "ec3-bolted-90",
 }  # fmt: skip
 """Details of the shipped catalogue, where a file says nothing of a zone: the cautious ones."""
-OF_STATES = ("static", "order 2", "combined", "peak", "worst point", "widest swing")
+OF_STATES = (
+    "static", "order 2", "combined", "peak", "worst point",
+    *(f"widest swing, {zone}" for zone in ZONES),
+)  # fmt: skip
 """The load cases that states have of themselves."""
 LEAST_ORDER = 2
 """Of elements that a verdict can stand on."""

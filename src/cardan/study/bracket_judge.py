@@ -54,8 +54,8 @@ _PLACES = 6
 """Such places of each feature, which every moment is asked of."""
 _MORE = 1.01
 """Times its swing at the point of most stress, above which the point of most swing is told too."""
-SWINGS = "widest swing"
-"""What a case of a state takes where it swings most, if that is not where it stresses most."""
+SWINGS: dict[Zone, str] = {zone: f"widest swing, {zone}" for zone in ZONES}
+"""What a case of a state takes where a zone swings most, if that is not where it stresses most."""
 _AT_ONCE = 2000
 """Places whose planes are held at once: under 100 MB."""
 
@@ -745,37 +745,58 @@ def _worst_of(
 ) -> Iterator[Case]:
     """Yield of the operating points a case may meet that where it stresses most, held either way.
 
-    Of a case that repeats also that where it swings most, by what its zones bear: where parts add
-    up to most force, neither need be. Sought at the places that the farthest loads, and the
-    farthest swings, stress most.
+    Of a case that repeats also those where a zone swings most, by what it bears: where parts add
+    up to most force, none need be. Sought at the places that the farthest loads, and the farthest
+    swings, stress most.
     """
     if not case.among:
         yield case
         return
-    stress, swing = np.zeros((2, len(case.among)))
+    stress = np.zeros(len(case.among))
+    swing = np.zeros((len(case.among), len(ZONES)))
     for way in ways:
         each = [way.loads(one) for one in case.among]
         swung = [one - one.mean(axis=0) for one in each]
         far = [way.places(farthest(np.concatenate(of), way.worth)) for of in (each, swung)]
         at = np.unique(far)
-
-        def swings_at(of: Sequence[Swings], way: _Way = way, at: IntArray = at) -> float:
-            return float(_swing_at(way, at, of, strength, np.ones(way.count))[0].max())
-
         stress = np.maximum(stress, [envelope(way.unit[at], one).max() for one in each])
         if case.repeats:
             passes = [
                 np.stack(np.split(v, c.places)) for v, c in zip(each, case.among, strict=True)
             ]
-            most = [swings_at([reach(p, way.worth).swings]) for p in passes]
-            for k in np.argsort(most)[::-1].tolist():
-                if most[k] <= swing.max():  # nor do those after it swing more
-                    break
-                swing[k] = max(swing[k], swings_at([partial(swings, loads=p) for p in passes[k]]))
+            _swung_most(way, at, passes, strength, swing)
     worst = int(stress.argmax())
     yield replace(case.among[worst], among=case.among)
-    if case.repeats and swing.max() > _MORE * swing[worst]:
-        yield replace(case.among[int(swing.argmax())], what=SWINGS)
+    told = swing[worst].copy()
+    for zone in np.argsort(-swing.max(axis=0)).tolist():
+        most = int(swing[:, zone].argmax())
+        if swing[most, zone] > _MORE * told[zone]:
+            told = np.maximum(told, swing[most])
+            yield replace(case.among[most], what=SWINGS[ZONES[zone]])
+
+
+def _swung_most(
+    way: _Way,
+    at: IntArray,
+    points: Sequence[FloatArray],
+    strength: Mapping[Zone, Strength],
+    found: FloatArray,
+) -> None:
+    """Find what passes (p, t, c) of each point use of each zone (points, zones) at some places.
+
+    Of those points that may use most; of others, what was `found` stays.
+    """
+    kind = way.held.zones.kind[at]
+
+    def used(of: Sequence[Swings]) -> FloatArray:
+        most = np.zeros(len(ZONES))
+        np.maximum.at(most, kind, _swing_at(way, at, of, strength, np.ones(way.count))[0])
+        return most
+
+    most = np.stack([used([reach(passes, way.worth).swings]) for passes in points])
+    for k in np.argsort(-(most / np.maximum(most.max(axis=0), 1e-300)).max(axis=1)).tolist():
+        if (most[k] > found.max(axis=0)).any():
+            found[k] = np.maximum(found[k], used([partial(swings, loads=p) for p in points[k]]))
 
 
 def _held(o: Outcome, contact: Contact, way: _Way) -> Outcome:
