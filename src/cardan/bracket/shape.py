@@ -32,6 +32,8 @@ _AS_THICK = 1.75
 """Times the mean thickness of a solid, and share of it, that its walls may have."""
 _ALONG = np.cos(np.radians(20))
 """Of the angle between a bore and the shaft's direction: shafts slope by less."""
+_TIE = 0.01
+"""mm, by which another face may be farther from a point that picks one."""
 _PAD = 4.0
 """Radii of a hole, from its axis, that a pad about it may reach."""
 _WIDE = 3.0
@@ -410,6 +412,13 @@ def _picked(faces: list[Any], pick: Pick, path: str, name: str, place: int) -> I
             f"{name}: no face of {path} lies within 1 mm of "
             f"{tuple(round(v, 3) for v in point)} mm: the nearest is {distances[best]:.3g} mm "
             f"away, a face of {faces[best].mass:.4g} mm2 about ({c.x:.4g}, {c.y:.4g}, {c.z:.4g}) mm"
+        )
+        raise DesignError(msg, about=about)
+    near = {k for k, d in enumerate(distances) if d <= distances[best] + _TIE}
+    if near - {*_bore(faces, best)} - {best}:
+        msg = (
+            f"{name}: {len(near)} faces of {path} lie as near to "
+            f"{tuple(round(v, 3) for v in point)} mm: pick by a point within one of them"
         )
         raise DesignError(msg, about=about)
     return [best]
