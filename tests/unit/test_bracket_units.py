@@ -484,7 +484,7 @@ def test_a_flat_face_is_a_bolt_s_where_it_is_a_pad_about_its_hole(tmp_path):
             solid(replace(part, bolts=(Pick(near=point), *part.bolts[1:])))
         assert failed.value.about == "bracket.step.bolts[1]"
     corner = (x, L.width / 2, z)  # of the plate's top and its side
-    with pytest.raises(DesignError, match="bolt 1: 2 faces of .* lie as near to") as failed:
+    with pytest.raises(DesignError, match=r"bolt 1: 2 faces of .* lie as near to") as failed:
         solid(replace(part, bolts=(Pick(near=corner), *part.bolts[1:])))
     assert failed.value.about == "bracket.step.bolts[1]"
     ring = replace(part, path=str(whole), bolts=(Pick(near=(x + 8 * mm, y, z)), *part.bolts[1:]))
