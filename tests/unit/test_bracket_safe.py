@@ -5,6 +5,8 @@ import os
 import re
 import resource
 import signal
+import subprocess
+import sys
 import tempfile
 import time
 from dataclasses import replace
@@ -127,6 +129,35 @@ def test_a_full_folder_for_temporary_files_is_not_the_kernel_s_fault(tmp_path, m
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "nowhere"))
     with pytest.raises(DesignError, match=r"temporary files, .*nowhere, cannot be written"):
         apart(add, 1.0, 1.0, tell=print, **LIMITS)
+
+
+def begin(seconds, tell):
+    tell("begun")
+    time.sleep(seconds)
+    return tell("done")  # to nobody
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="nobody is killed like that there")
+def test_who_is_killed_leaves_no_folder_behind(tmp_path):
+    """What it had asked for ends by itself, and takes the folder with it."""
+    here = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+    asks = (
+        f"import sys; sys.path[:0] = {here}\n"
+        "from test_bracket_safe import LIMITS, begin\n"
+        "from cardan.bracket.apart import apart\n"
+        "apart(begin, 1.0, tell=lambda said: print(said, flush=True), **LIMITS)\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", asks], stdout=subprocess.PIPE, text=True,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+    ) as asking:  # fmt: skip
+        assert asking.stdout.readline() == "begun\n"
+        assert [*tmp_path.glob("cardan-*/question")]
+        asking.kill()
+    end = time.monotonic() + 30
+    while [*tmp_path.iterdir()] and time.monotonic() < end:
+        time.sleep(0.1)
+    assert not [*tmp_path.iterdir()]
 
 
 def test_who_waits_for_a_busy_processor_is_not_stopped_for_it():

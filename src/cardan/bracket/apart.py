@@ -7,6 +7,7 @@ the process with them. A report is not to die of a fillet.
 import errno
 import os
 import pickle
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -128,6 +129,17 @@ def _no_room(folder: str, why: str | None) -> DesignError:
 
 def answer(folder: str) -> None:
     """Answer the question in a folder: what the process does."""
+    parent, code = os.getppid(), 1
+    try:
+        code = _answered(Path(folder))
+    finally:
+        if os.getppid() != parent:  # who asked was killed, and tidies up no more
+            shutil.rmtree(folder, ignore_errors=True)
+        os._exit(code)  # the kernel's own tidying up at the end has crashed before
+
+
+def _answered(folder: Path) -> int:
+    """Write down the answer; return with what the process is to end."""
     module, name, args = pickle.loads(Path(folder, "question").read_bytes())
 
     def tell(what: str) -> None:
@@ -141,16 +153,15 @@ def answer(folder: str) -> None:
     except OSError as error:
         if error.errno not in (errno.ENOSPC, errno.EDQUOT):
             raise
-        os._exit(_NO_ROOM)
+        return _NO_ROOM
     part = Path(folder, "part")
     try:
         with part.open("wb") as stream:  # not by way of bytes: an answer is large enough once
             pickle.dump(told, stream, protocol=pickle.HIGHEST_PROTOCOL)
         part.rename(Path(folder, "reply"))
     except OSError:
-        os._exit(_NO_ROOM)
-    sys.stdout.flush()
-    os._exit(0)  # the kernel's own tidying up at the end has crashed before
+        return _NO_ROOM
+    return 0
 
 
 def _watch(child: "subprocess.Popen[str]", memory: float, seconds: float, why: list[str]) -> None:

@@ -301,6 +301,8 @@ def solve(task: Task, tell: Progress) -> Solved:
     sliding = _held("sliding", body, done.last, task, size)
     assert done.firm is not None
     clamped = _held("clamped", body, done.firm, task, size)
+    # In contact a third factorisation comes: these two have done their work.
+    done = replace(done, last=done.last.kept(), firm=done.firm.kept())
     read, before = sliding.influence[:, :3], first[0][:, :3]
     return Solved(
         nodes=done.last.elastic.nodes,
