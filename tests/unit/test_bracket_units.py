@@ -383,6 +383,15 @@ def areas(made):
     return found
 
 
+def test_what_has_done_its_work_lets_its_factors_go(units):
+    """It reads stress as before: in contact a third factorisation is made, and no more are held."""
+    kept, moved = units.elastic.solved(), units.displacements[:1]
+    assert kept.inverse is None
+    assert units.elastic.inverse is not None
+    assert kept.nodes is units.elastic.nodes
+    assert np.array_equal(kept.stress_at_nodes(moved), units.elastic.stress_at_nodes(moved))
+
+
 def test_a_step_file_gives_the_same_bracket(units, tmp_path):
     """Written by name, read back by name and by points on its faces."""
     path = tmp_path / "u.step"
