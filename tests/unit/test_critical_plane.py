@@ -186,3 +186,16 @@ def test_loads_that_stand_still_swing_nothing():
     held = reach(np.array([[[1.0, 2.0]]]))
     mean, amplitude = held.swings(np.array([[3.0, 4.0]]))
     assert (mean, amplitude, held.cycles) == (pytest.approx([11]), pytest.approx([0]), 1)
+
+
+def test_what_breaks_at_once_does_endless_damage_and_is_told_without_a_warning():
+    """A recording of 1e9 N: beyond the strength no cycle is borne, whatever share is asked."""
+    unit, normals = np.zeros((2, 1, 6)), np.array([[0, 0, 1.0], [0, 0, 1.0]])
+    unit[0, 0, 0] = 1.0
+    one = Pass(np.array([[[0.0], [1e9]]]))
+
+    def broken(amplitude, _mean):
+        return np.where(amplitude > 1e6, np.inf, 0.0)
+
+    damage, _ = plane_damage(unit, normals, [one], harm=broken, closely=0.0)
+    assert damage.tolist() == [np.inf, 0.0]

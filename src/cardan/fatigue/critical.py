@@ -287,7 +287,9 @@ def plane_damage(
     rough = _largest(stress, passes, harm)
     damage = rough.max(axis=1)
     best = rough.argmax(axis=1)
-    counts = np.flatnonzero(damage > closely * damage.max(initial=0.0))
+    # What breaks at once does endless damage, and no share of that is a number.
+    least = closely * damage.max(initial=0.0) if closely else 0.0
+    counts = np.flatnonzero(damage > least)
     order = np.argsort(-rough[counts], axis=1)[:, :_BEST]
     share = np.take_along_axis(stress[counts], order[..., None], axis=1)
     exact = np.zeros(order.shape)
