@@ -173,6 +173,8 @@ def made_up_bracket() -> Iterator[None]:
         case=LoadCase("gvw", np.zeros((1, 9)), what="peak"),
         hot=spots,
         used=spots / (300 * MPa),
+        error=0 * spots,
+        used_within=np.stack([spots, spots], axis=-1) / (300 * MPa),
     )
     duty = Endured(
         when=Occasion("duty", "gvw"), spots=np.array([1e-4, 4e-4]), gauges=np.zeros(0),

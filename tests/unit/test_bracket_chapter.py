@@ -21,7 +21,7 @@ from cardan.report.bracket_chapter import chapter
 from cardan.report.language import CODES, Language
 from cardan.study.approval import Approval, assess
 from cardan.study.bracket import BracketAnswer, duty_of, study
-from cardan.study.bracket_judge import Case, judge
+from cardan.study.bracket_judge import SWINGS, Case, judge
 from cardan.study.bracket_life import strengths
 from cardan.study.finding import Finding
 
@@ -188,6 +188,41 @@ def test_a_case_on_a_state_is_told_at_the_worst_of_its_points(found):
     assert told.life is None
 
 
+def test_a_state_is_told_where_it_stresses_most_and_where_it_swings_most(found):
+    """Each operating point judged by itself: what adds up to most force is worst in neither."""
+    solved, turn = found.variants[0].solved, np.linspace(0, 2 * np.pi, 32, endpoint=False)[:, None]
+    means = [[0, 0, 5000.0], [0, 1500, 0], [0, 100, 0], [100, 0, 0]]
+    waves = [[0, 0, 100.0], [0, 300, 100], [200, 700, 0], [100, 100, 0]]
+    among = tuple(
+        Case("gvw", np.pad(m + np.cos(turn) * w, ((0, 0), (0, 6))), 0.5, 0.01,
+             what="worst point", point=Point(f"gear {k}", "drive", 20.0 + k, 1000.0))
+        for k, (m, w) in enumerate(zip(means, np.array(waves), strict=True))
+    )  # fmt: skip
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: solved)
+
+        def judged(*cases):
+            v = judge(found.bracket, found.bracket.shape, cases)
+            zones = np.array([f.zone for f in v.features])
+            return v.outcomes, [
+                {z: np.nanmax(o.used[zones == z]) for z in zones.tolist()} for o in v.outcomes
+            ]
+
+        (stressed, *swung), told = judged(replace(among[0], among=among))
+        apart, used = judged(*among)
+        (both, *_), _ = judged(replace(among[0], among=(among[0], among[3], among[1])))
+    hot = [o.hot.max() for o in apart]
+    assert (np.linalg.norm(means, axis=1).argmax(), np.argmax(hot)) == (0, 1)
+    assert (stressed.case.point, both.case.point) == (among[1].point, among[1].point)
+    assert stressed.hot.max() == pytest.approx(max(hot), rel=1e-12)
+    assert swung[0].case.point == among[2].point
+    assert {o.case.when.what for o in swung} <= {*SWINGS.values()}
+    for zone in used[0]:  # each is told at its own worst point
+        most = max(of[zone] for of in used)
+        assert max(of[zone] for of in told) == pytest.approx(most, rel=0.01)
+        assert told[0][zone] < 0.9 * most
+
+
 @pytest.fixture(scope="module")
 def hung(found) -> BracketAnswer:
     """The same bracket under a line on rubber: the solution is the same."""
@@ -236,7 +271,7 @@ def test_the_bracket_s_own_swing_counts(hung, found):
         return replace(held, swing=replace(held.swing, seat=seat))
 
     made = replace(solved, sliding=slower(solved.sliding), clamped=slower(solved.clamped))
-    case = hung.variants[0].outcomes[-1].case
+    case = replace(hung.variants[0].outcomes[-1].case, among=())
     assert case.shakes
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: made)

@@ -1,16 +1,23 @@
 """The application file's bracket, read into parts."""
 
+from pathlib import Path
+
 import pytest
 from brackets import BRACKET, LINE
 
 from cardan import files
 from cardan.base.errors import BadFile
 from cardan.base.units import g, mm
+from cardan.files.bracket import OF_STATES
+from cardan.study.approval import assess
+from cardan.study.bracket import cases_of
+from cardan.study.bracket_judge import SWINGS
 
 FULL = (
     BRACKET
     + """\
   material: S355MC
+  order: 2
   carried_mass_kg: 18
   rubber_N_mm: [150, 300, 300]
   gauges: [{name: S1, point_mm: [0, 56, 20], direction: [0, 0, 1], length_mm: 6}]
@@ -52,6 +59,10 @@ def test_a_bracket_is_read_in_si():
         (("direction: [0, 0, 1]", "direction: [0, 0, 0]"), "direction that is not zero"),
         (("reinforced: {thickness_mm: 8}", "recordings: [{name: down, file: down.csv}]"),
          r"recordings\[1\].*name is above already"),
+        (("name: pothole", 'name: "as given: worst point"'), r"cases\[2\].*state has this name"),
+        (("order: 2", "order: 0"), "order.*a whole number from 2 to 4"),
+        (("reinforced: {thickness_mm: 8}", 'recordings: [{name: "as given: peak", file: a.csv}]'),
+         r"recordings\[1\].*name is above already"),
         (("u_shape:", "step: {file: a.step, centre_mm: [0, 0, 0], seat: [{name: bore}], "
           "bolts: [{name: b}], thickness_mm: 8}\n  u_shape:"), "exclude each other"),
     ],
@@ -65,7 +76,7 @@ def test_what_cannot_be_is_refused_with_its_place(change, says):
 
 def test_a_file_that_says_order_1_is_read_with_order_2_and_says_so():
     """Files that were written when it was taken are read."""
-    application = files.loads(LINE + FULL.replace("u_shape:", "order: 1\n  u_shape:"))
+    application = files.loads(LINE + FULL.replace("order: 2", "order: 1"))
     assert application.bracket.order == 2
     assert [w.key for w in application.warnings if "read as 2" in w.message] == ["bracket.order"]
     assert not any("read as 2" in w.message for w in files.loads(LINE + FULL).warnings)
@@ -82,3 +93,14 @@ def test_the_schema_knows_the_bracket():
     schema = files.schema()
     assert "bracket" in schema["$defs"]["Application"]["properties"]
     assert "thickness_mm" in schema["$defs"]["UShape"]["properties"]
+    assert (
+        schema["$defs"]["Bracket"]["properties"]["order"]["minimum"] == 2
+    )  # as docs, and errors, say
+
+
+def test_the_names_a_state_s_cases_have_are_those_that_are_kept_from_others():
+    """What a study calls them, of a line with every kind of case."""
+    truck = Path(__file__).parents[2] / "examples" / "medium-truck-4x2.yaml"
+    (response,) = assess(files.read(truck)).responses
+    own = {case.what for case in cases_of(bracket(BRACKET), response)}
+    assert own | {*SWINGS.values()} == set(OF_STATES)

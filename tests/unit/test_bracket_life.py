@@ -14,13 +14,16 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.base.part import Occasion
 from cardan.base.source import MINER
 from cardan.base.units import MPa, hour, rpm
-from cardan.base.verdict import Limit
+from cardan.base.verdict import Limit, badness
 from cardan.bracket.gauges import recover
 from cardan.fatigue.strength import SNCurve
 from cardan.loads.statics import loads
 from cardan.model.application import DutyPoint
 from cardan.model.bracket import Bracket, FatigueCurve, UShape
 from cardan.model.material import Material
+from cardan.report.contract import check
+from cardan.report.language import Language
+from cardan.report.wording import place
 from cardan.study.approval import assess
 from cardan.study.bracket import BracketAnswer, cases_of, checks_of, duty_of
 from cardan.study.bracket_judge import Case, Feature
@@ -284,7 +287,8 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     )
     outcome = SimpleNamespace(
         case=Case("pothole", np.zeros((1, 9))), hot=np.array([100, 250, 50]) * MPa,
-        used=np.array([0.5, 0.75, np.nan]), life=None,
+        used=np.array([0.5, 0.75, np.nan]), life=None, error=np.array([10, 50, 2.5]) * MPa,
+        used_within=np.array([[0.45, 0.55], [0.6, 1.2], [np.nan, np.nan]]),
     )  # fmt: skip
     spent = Endured(
         when=Occasion("duty", "gvw"), spots=np.array([1e-9, 2e-9, 3e-9]), gauges=np.zeros(0),
@@ -317,7 +321,22 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
         "sheet 3": pytest.approx((1 / 5e-9, 1 / 2e-9)),
         "weld toe 2": pytest.approx((1 / 4e-9, 1 / 1e-9)),
     }
-    assert stress.within is None
+    # 250 and 50 MPa of 500; its error reaches past the limit of 0.6 to no more than equality.
+    assert stress.within == pytest.approx((0.4, 0.6))
+    assert (stress.grade, stress.may_be) == ("pass", "pass")
+    # Up to 1.2 of the limit by its error: it passes, and may not.
+    assert (sheet.within, toe.within) == ((0.45, 0.55), (0.6, 1.2))
+    assert [(c.grade, c.may_be) for c in (sheet, toe)] == [("pass", "pass"), ("pass", "warn")]
+    assert "between 0.6 and 1.2 by the error" in place(toe, Language("en"))
+    for code, word in (
+        ("en", "may warn"),
+        ("pt", "pode ser um alerta"),
+        ("it", "può essere un avviso"),
+    ):
+        assert word in place(toe, Language(code))
+        assert word not in place(sheet, Language(code))
+    assert sorted((sheet, toe), key=badness)[0] is toe
+    assert check(toe)["may_be"] == "warn"
     # Rigidly carried: 50 Hz over twice 100 rad/s.
     assert (far.state, far.value) == ("highest speed", pytest.approx(50 / (2 * 100 / (2 * np.pi))))
     soft = replace(answer, bracket=replace(answer.bracket, rubber=(1e5, 1e5, 1e5)))

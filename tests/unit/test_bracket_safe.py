@@ -1,8 +1,13 @@
 """What may break apart breaks nothing: a process of its own, an estimate, smaller fillets."""
 
+import errno
 import os
 import re
+import resource
 import signal
+import subprocess
+import sys
+import tempfile
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +22,7 @@ from cardan.base.units import mm
 from cardan.bracket import apart as room
 from cardan.bracket import solve as solving
 from cardan.bracket.apart import Crashed, Stopped, apart
-from cardan.bracket.estimate import affordable, estimate
+from cardan.bracket.estimate import Model, affordable, estimate
 from cardan.bracket.solve import Task, solved_apart
 from cardan.cli import cli
 from cardan.model.bracket import UShape
@@ -97,6 +102,64 @@ def test_what_takes_too_long_or_too_much_is_stopped():
 
 
 @pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="does not tell what it worked")
+def big(count, _tell):
+    return np.zeros(count)
+
+
+def full(_tell):
+    raise OSError(errno.ENOSPC, "No space left on device")
+
+
+def test_a_full_folder_for_temporary_files_is_not_the_kernel_s_fault(tmp_path, monkeypatch):
+    """A file may have no more than 64 kB: an answer of 80 MB does not fit, nor what asks for it."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    told = rf"temporary files, {tmp_path}, cannot be written .*TMPDIR"
+    with pytest.raises(DesignError, match=told):
+        apart(full, tell=print, **LIMITS)
+    before = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (65536, hard))
+    try:
+        for function, asked in ((big, 10_000_000), (add, np.zeros(20_000))):
+            with pytest.raises(DesignError, match=told):
+                apart(function, asked, *([1.0] if function is add else []), tell=print, **LIMITS)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        signal.signal(signal.SIGXFSZ, before)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "nowhere"))
+    with pytest.raises(DesignError, match=r"temporary files, .*nowhere, cannot be written"):
+        apart(add, 1.0, 1.0, tell=print, **LIMITS)
+
+
+def begin(seconds, tell):
+    tell("begun")
+    time.sleep(seconds)
+    return tell("done")  # to nobody
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="nobody is killed like that there")
+def test_who_is_killed_leaves_no_folder_behind(tmp_path):
+    """What it had asked for ends by itself, and takes the folder with it."""
+    here = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
+    asks = (
+        f"import sys; sys.path[:0] = {here}\n"
+        "from test_bracket_safe import LIMITS, begin\n"
+        "from cardan.bracket.apart import apart\n"
+        "apart(begin, 1.0, tell=lambda said: print(said, flush=True), **LIMITS)\n"
+    )
+    with subprocess.Popen(
+        [sys.executable, "-c", asks], stdout=subprocess.PIPE, text=True,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+    ) as asking:  # fmt: skip
+        assert asking.stdout.readline() == "begun\n"
+        assert [*tmp_path.glob("cardan-*/question")]
+        asking.kill()
+    end = time.monotonic() + 30
+    while [*tmp_path.iterdir()] and time.monotonic() < end:
+        time.sleep(0.1)
+    assert not [*tmp_path.iterdir()]
+
+
 def test_who_waits_for_a_busy_processor_is_not_stopped_for_it():
     """It sleeps for twice its seconds. A bracket was stopped, with 183 of its 900 s worked."""
     assert apart(sleep, 4.0, tell=print, memory=4e9, seconds=2.0) is None
@@ -109,11 +172,11 @@ def test_an_estimate_grows_as_the_mesh_does():
     """A plate of 1 m2: half the edge, four times the triangles; twice the layers once thin."""
     plate = {"volume": 1.0 * 5 * mm, "area": 2.0}
     least, coarse, fine, finer = (
-        estimate(size=s * mm, degree=2, **plate).unknowns for s in (1e9, 20, 10, 2.5)
+        estimate(Model(size=s * mm, degree=2, **plate)).unknowns for s in (1e9, 20, 10, 2.5)
     )
     assert fine - least == pytest.approx(4 * (coarse - least))
     assert finer - least == pytest.approx(2 * 16 * (fine - least))
-    two, four = (estimate(size=10 * mm, degree=d, **plate).memory for d in (2, 4))
+    two, four = (estimate(Model(size=10 * mm, degree=d, **plate)).memory for d in (2, 4))
     assert four > 3 * two
 
 
@@ -132,7 +195,7 @@ def test_an_estimate_is_good_to_a_factor_of_two(area, thickness, size, finer, un
     the ribbed one.
     """
     found = estimate(
-        volume=area / 2 * thickness * mm, area=area, size=size * mm, degree=2, finer=finer
+        Model(volume=area / 2 * thickness * mm, area=area, size=size * mm, degree=2, finer=finer)
     )
     assert 1 / 2 < found.unknowns / unknowns < 2
     assert 1 / 2 < found.memory / memory < 2
@@ -159,10 +222,10 @@ def test_an_estimate_in_bolts_is_good_to_a_factor_of_two(shape):
     unknowns, and more than 4 GB where 1.4 were told.
     """
     volume, area, size, finer, forces, unknowns, memory, seconds = IN_BOLTS[shape]
-    found = estimate(
+    found = estimate(Model(
         volume=volume, area=area, size=min(size * mm, 10 * volume / area), degree=2,
         finer=finer, forces=forces,
-    )  # fmt: skip
+    ))  # fmt: skip
     assert 1 / 2 < found.unknowns / unknowns < 2
     assert 1 / 2 < found.memory / memory < 2
     assert 1 / 2 < 60 * found.minutes / seconds < 2
@@ -171,9 +234,9 @@ def test_an_estimate_in_bolts_is_good_to_a_factor_of_two(shape):
 def test_where_contact_alone_is_too_much_leaving_it_out_is_told():
     """No coarser elements help, and what there is without contact fits; in every language."""
     wide = {"volume": 0.035 * 1.3 * mm, "area": 0.07, "size": 5 * mm, "degree": 2, "finer": 9000.0}
-    affordable(**wide)
+    affordable(Model(**wide))
     with pytest.raises(DesignError, match="leave out `bolts`") as refused:
-        affordable(**wide, forces=2000.0)
+        affordable(Model(**wide, forces=2000.0))
     for code, says in (("pt", "tire `bolts`"), ("it", "togliere `bolts`")):
         told = Language(code).error(str(refused.value))
         assert says in told
@@ -185,12 +248,12 @@ def test_what_nobody_can_afford_is_refused_with_what_could_be():
     plate = {"volume": 25e-3 * 5 * mm, "area": 50e-3}
     for size, degree in ((0.5 * mm, 2), (3 * mm, 4)):
         with pytest.raises(DesignError, match=r"would make about .* try `element_mm: ") as refused:
-            affordable(size=size, degree=degree, **plate)
+            affordable(Model(size=size, degree=degree, **plate))
         better = float(str(refused.value).split("element_mm: ")[1].split("`")[0])
-        affordable(size=1.05 * better * mm, degree=degree, **plate)
-    affordable(size=5 * mm, degree=2, **plate)
+        affordable(Model(size=1.05 * better * mm, degree=degree, **plate))
+    affordable(Model(size=5 * mm, degree=2, **plate))
     with pytest.raises(DesignError, match="million unknowns"):
-        affordable(size=5 * mm, degree=2, volume=120 * 0.39 * 5 * mm, area=2 * 120 * 0.39)
+        affordable(Model(size=5 * mm, degree=2, volume=120 * 0.39 * 5 * mm, area=2 * 120 * 0.39))
 
 
 def test_a_sheet_like_foil_is_refused_for_its_thickness():
@@ -198,8 +261,8 @@ def test_a_sheet_like_foil_is_refused_for_its_thickness():
     foil = {"volume": 0.035 * 0.05 * mm, "area": 0.07}
     for size in (0.075, 16):
         with pytest.raises(DesignError, match=r"sheet of 0\.05 mm asks .*check its thickness"):
-            affordable(size=size * mm, degree=2, **foil)
-    affordable(size=16 * mm, degree=2, volume=0.035 * 1 * mm, area=0.07)
+            affordable(Model(size=size * mm, degree=2, **foil))
+    affordable(Model(size=16 * mm, degree=2, volume=0.035 * 1 * mm, area=0.07))
 
 
 @pytest.mark.parametrize("fails", [1, 3])

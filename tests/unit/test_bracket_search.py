@@ -71,7 +71,7 @@ def fake(monkeypatch, life, first=1.0, slips=None):
             for case, share in (slips(shape) if bolted else {}).items()
         ]
         return SimpleNamespace(
-            life=hours, life_within=(hours / 2, 2 * hours), features=(part,), slips=asked
+            life=hours, life_within=(hours / 1.4, 1.4 * hours), features=(part,), slips=asked
         )
 
     def bracket_search_part():
@@ -106,9 +106,9 @@ def best_of_all(application):
     return min(good, key=weight)
 
 
-@pytest.mark.parametrize("first", [0.6, 1.0, 1.6])
+@pytest.mark.parametrize("first", [0.38, 0.6, 1.0, 1.6])
 def test_a_first_mesh_that_errs_misleads_nobody(monkeypatch, first):
-    """Off by less than the doubt either way, the lightest is that of trying all, refined."""
+    """Off by less than the doubt beyond its error, the lightest is that of trying all, refined."""
     assert first < DOUBT
     application = files.loads(FILE)
     solved = fake(monkeypatch, life_of, first)
@@ -119,8 +119,16 @@ def test_a_first_mesh_that_errs_misleads_nobody(monkeypatch, first):
     assert found.best.sizes["flange"] == want.flange
     assert found.best.sizes["gusset"] == want.gusset
     assert found.best.life >= found.target
+    # What is chosen may live shorter than asked, by its error.
+    assert found.best.life < 1.4 * found.target
+    for code, said in (
+        ("en", "may live shorter"),
+        ("pt", "pode viver menos"),
+        ("it", "può vivere meno"),
+    ):
+        assert said in "\n".join(shown.terminal(application, found, Language(code), width=300))
     assert found.count == 16
-    assert len(solved) < 16
+    assert len(solved) < 18  # of 16, each by a first mesh and refined
 
 
 def test_where_none_lives_none_is_told(monkeypatch):
@@ -240,7 +248,7 @@ def test_the_command_tells_it(monkeypatch, tmp_path):
     told = json.loads((tmp_path / "a.json").read_text())
     assert told["best"]["life_hours"] >= told["target_hours"] == 5000
     life = told["best"]["life_hours"]
-    assert told["best"]["life_hours_within"] == [life / 2, 2 * life]
+    assert told["best"]["life_hours_within"] == pytest.approx([life / 1.4, 1.4 * life])
     assert told["best"] in told["tried"]
     drawn = CliRunner().invoke(cli, [*args, "--png", str(tmp_path / "a.png")])
     assert drawn.exit_code == 2

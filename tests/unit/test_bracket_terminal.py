@@ -44,7 +44,7 @@ def outcome() -> Outcome:
         case=Case("gvw", np.zeros((1, 9)), turns=0.5, duration=0.012, what="combined"),
         von_mises=Found(110e6, at), highest=Found(115e6, at), lowest=Found(-90e6, at),
         on_edge=Found(200e6, at), hot=HOT, error=HOT / 100, mean=HOT / 2, amplitude=HOT / 2,
-        used=HOT / 150e6,
+        used=HOT / 150e6, used_within=np.outer(HOT / 150e6, [0.99, 1.01]),
         strain=np.array([[-1e-4, 2e-4]]), bolts=np.array([1e3]), motion=1e-4, life=life,
     )  # fmt: skip
 

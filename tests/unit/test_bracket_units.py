@@ -383,6 +383,16 @@ def areas(made):
     return found
 
 
+def test_what_has_done_its_work_lets_its_factors_go(units):
+    """It reads stress as before: in contact a third factorisation is made, and no more are held."""
+    nodes, moved = units.elastic.nodes, units.displacements[:1]
+    kept = units.elastic.solved()
+    assert kept.inverse is None
+    assert units.elastic.inverse is not None
+    assert kept.nodes is nodes  # what it knows already it knows on
+    assert np.array_equal(kept.stress_at_nodes(moved), units.elastic.stress_at_nodes(moved))
+
+
 def test_a_step_file_gives_the_same_bracket(units, tmp_path):
     """Written by name, read back by name and by points on its faces."""
     path = tmp_path / "u.step"
@@ -417,8 +427,15 @@ def test_a_step_file_gives_the_same_bracket(units, tmp_path):
             solid(replace(named, seat=seat))
     with pytest.raises(DesignError, match=r"seat picked of .* no round, and a bore of 50 mm"):
         solid(replace(named, seat=(Pick(near=(0, 50 * mm, 60 * mm)),)))
-    with pytest.raises(DesignError, match=r"walls of 60 mm are not those .* 5\.39 mm; is its unit"):
-        solid(replace(named, thickness=60 * mm))
+    # Of its sheet of 6 mm, by its holes; half its volume over its surface is a tenth less.
+    for wrong in (60, 18, 11, 3):
+        with pytest.raises(
+            DesignError,
+            match=rf"walls of {wrong} mm are not .* 5\.39 mm, .* holes it is 6 mm thick; is",
+        ) as failed:
+            solid(replace(named, thickness=wrong * mm))
+        assert failed.value.about == "bracket.step.thickness"
+    assert solid(replace(named, thickness=9 * mm)).thickness == 9 * mm
     (tmp_path / "bad.step").write_text("no STEP at all")
     with pytest.raises(DesignError, match="is not a STEP file"):
         solid(replace(named, path=str(tmp_path / "bad.step")))
@@ -460,6 +477,52 @@ def test_washers_are_imprinted_on_a_step_file_and_halves_of_a_bore_are_one(tmp_p
     own, read = areas(solid(L)), areas(made)
     assert read == pytest.approx(own, rel=1e-6)
     assert made.held("sliding") == solid(L).held("sliding")
+
+
+def test_a_flat_face_is_a_bolt_s_where_it_is_a_pad_about_its_hole(tmp_path):
+    """The ring that a drawing has; not the plate with all its holes, nor a face with none."""
+    path, whole = tmp_path / "l.step", tmp_path / "rings.step"
+    bare_l().WriteStep(str(path))
+    solid(L).write(whole)
+    part = by_points(path)
+    x, y, z = L.places[0]
+    plate, side = (x + 12 * mm, y, z), (x, L.width / 2, z - 4 * mm)
+    for point, says in ((plate, "with a hole of 11 mm"), (side, "without a hole")):
+        with pytest.raises(
+            DesignError, match=rf"bolt 1: a flat face .* mm {says}, is no"
+        ) as failed:
+            solid(replace(part, bolts=(Pick(near=point), *part.bolts[1:])))
+        assert failed.value.about == "bracket.step.bolts[1]"
+    corner = (x, L.width / 2, z)  # of the plate's top and its side
+    with pytest.raises(DesignError, match=r"bolt 1: 2 faces of .* lie as near to") as failed:
+        solid(replace(part, bolts=(Pick(near=corner), *part.bolts[1:])))
+    assert failed.value.about == "bracket.step.bolts[1]"
+    ring = replace(part, path=str(whole), bolts=(Pick(near=(x + 8 * mm, y, z)), *part.bolts[1:]))
+    assert areas(solid(ring))["bolt 1"] == pytest.approx(areas(solid(L))["bolt 1"], rel=1e-6)
+
+
+def test_a_file_in_other_axes_is_refused_with_what_its_bore_lies_along(tmp_path):
+    """Turned about z the bore lies across the vehicle; ten degrees are a shaft's slope."""
+    occ, path = engine().occ, tmp_path / "turned.step"
+    about = occ.Axis(occ.Pnt(0, 0, 0), occ.Z)
+    for degrees in (90, 30, 10):
+        bare_l().Rotate(about, degrees).WriteStep(str(path))
+        c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+
+        def turned(pick, c=c, s=s):
+            x, y, z = pick.near
+            return Pick(near=(c * x - s * y, s * x + c * y, z))
+
+        part = by_points(path)
+        part = replace(
+            part, seat=tuple(map(turned, part.seat)), bolts=tuple(map(turned, part.bolts))
+        )
+        if degrees == 10:
+            assert solid(part).volume == pytest.approx(solid(L).volume, rel=1e-6)
+            continue
+        with pytest.raises(DesignError, match=r"as the seat lies along \(-?0.*, 0\)") as failed:
+            solid(part)
+        assert failed.value.about == "bracket.step.seat"
 
 
 def test_several_solids_are_told_apart_by_name_or_refused_with_what_was_found(tmp_path):

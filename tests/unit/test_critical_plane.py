@@ -5,7 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cardan.fatigue.critical import Pass, counted, on_planes, plane_damage, plane_directions
+from cardan.fatigue.critical import (
+    Pass,
+    counted,
+    on_planes,
+    plane_damage,
+    plane_directions,
+    reach,
+)  # fmt: skip
 from cardan.fatigue.detail import at_knee, ratio_bonus, roughness_factor, sheet_amplitude
 from cardan.fatigue.rainflow import rainflow, repeating
 from cardan.fatigue.strength import SNCurve
@@ -126,3 +133,69 @@ def test_a_pass_may_stress_a_place_more_than_its_unit_loads_say():
     for k, size in enumerate((1.4, 0.9)):
         alone, _ = plane_damage(unit[[k]], normals[:1], [Pass(size * one), Pass(other)], harm=harm)
         assert scaled[k] == pytest.approx(alone[0])
+
+
+def histories(seed, kind):
+    """Passes (p, t, c) of loads: few orders, of eight heavy spots; or a road, with a hole in it."""
+    rng = np.random.default_rng(seed)
+    if kind == "orders":
+        theta = 2 * np.pi * np.arange(64)[:, None] / 64
+        twice, once = rng.normal(size=(2, 2, 5))
+        wave = np.cos(2 * theta) * twice[0] + np.sin(2 * theta) * twice[1]
+        turn = np.cos(theta) * once[0] + np.sin(theta) * once[1]
+        mean = 3 * rng.normal(size=5)
+        return mean + wave + np.stack([np.roll(turn, 8 * k, axis=0) for k in range(8)])
+    road = np.cumsum(rng.normal(size=(1, 400, 5)) * [3, 1, 1, 0.1, 0], axis=1)
+    road[0, 100] += 40 * rng.normal(size=5) * [1, 1, 1, 1, 0]
+    return road
+
+
+@pytest.mark.parametrize("kind", ["orders", "road"])
+@pytest.mark.parametrize("seed", range(5))
+def test_no_stress_leaves_what_holds_its_loads(kind, seed):
+    """Of 4000 sums of loads, moment by moment: nothing is left out, and not much is added."""
+    passes = histories(seed, kind)
+    held = reach(passes, np.array([1, 2, 0.5, 1, 1]))
+    stress = np.random.default_rng(99 + seed).normal(size=(4000, 5))
+    mean, amplitude = held.swings(stress)
+    moments = passes.reshape(-1, 5) @ stress.T
+    assert (moments.max(axis=0) <= mean + amplitude * (1 + 1e-9)).all()
+    assert (moments.min(axis=0) >= mean - amplitude * (1 + 1e-9)).all()
+    widest = np.ptp(moments, axis=0) / 2
+    assert np.median(amplitude / widest) < {"orders": 1.03, "road": 1.6}[kind]
+
+
+@pytest.mark.parametrize("kind", ["orders", "road"])
+def test_no_stress_does_more_damage_than_its_loads_let_it(kind):
+    """Rainflow of 300 sums of loads, by Goodman and Basquin; of two orders two cycles a turn."""
+    passes = histories(1, kind)
+    held = reach(passes)
+    assert held.cycles == {"orders": 2, "road": 200}[kind]
+    stress = np.random.default_rng(7).normal(size=(300, 5))
+
+    def harm(amplitude, mean):
+        return (amplitude / np.maximum(1 - np.maximum(mean, 0) / 2000, 0.01)) ** 5
+
+    mean, amplitude = held.swings(stress)
+    most = held.cycles * harm(amplitude, mean)
+    for one in passes:
+        assert (harm(*counted(stress @ one.T)).sum(axis=1) <= most * (1 + 1e-9)).all()
+
+
+def test_loads_that_stand_still_swing_nothing():
+    held = reach(np.array([[[1.0, 2.0]]]))
+    mean, amplitude = held.swings(np.array([[3.0, 4.0]]))
+    assert (mean, amplitude, held.cycles) == (pytest.approx([11]), pytest.approx([0]), 1)
+
+
+def test_what_breaks_at_once_does_endless_damage_and_is_told_without_a_warning():
+    """A recording of 1e9 N: beyond the strength no cycle is borne, whatever share is asked."""
+    unit, normals = np.zeros((2, 1, 6)), np.array([[0, 0, 1.0], [0, 0, 1.0]])
+    unit[0, 0, 0] = 1.0
+    one = Pass(np.array([[[0.0], [1e9]]]))
+
+    def broken(amplitude, _mean):
+        return np.where(amplitude > 1e6, np.inf, 0.0)
+
+    damage, _ = plane_damage(unit, normals, [one], harm=broken, closely=0.0)
+    assert damage.tolist() == [np.inf, 0.0]

@@ -161,6 +161,12 @@ class Check:
         """Whether the demand passes, warns or fails."""
         return self.limit.grade(self.value)
 
+    @cached_property
+    def may_be(self) -> Grade:
+        """The worst grade that the error of its value leaves open."""
+        ends = map(self.limit.grade, self.within or ())
+        return GRADES[max(map(GRADES.index, (self.grade, *ends)))]
+
     @property
     def decided_by(self) -> Literal["normal", "maximum", "band"]:
         """Which bound decided: the one passed, or the first one ahead."""
@@ -196,9 +202,9 @@ class Check:
         return 0.0 if abs(margin) <= EQUAL else margin
 
 
-def badness(c: Check) -> tuple[int, float]:
-    """Return what checks are sorted by: failures first, then by margin."""
-    return -GRADES.index(c.grade), c.margin
+def badness(c: Check) -> tuple[int, int, float]:
+    """Return what checks are sorted by: failures first, then what may be one, then by margin."""
+    return -GRADES.index(c.grade), -GRADES.index(c.may_be), c.margin
 
 
 def spoilt(before: Iterable[Check], after: Iterable[Check]) -> list[Check]:

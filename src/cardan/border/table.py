@@ -399,12 +399,17 @@ class Number(Rule):
 
 
 class Whole(Rule):
-    """A whole number from 1 on, of things there are only so many of."""
+    """A whole number from 1 on, of things there are only so many of.
 
-    def __init__(self, most: int = 1000) -> None:
+    From `told` on, people are told; what was once allowed below it is read, for its table to
+    warn of.
+    """
+
+    def __init__(self, most: int = 1000, *, told: int = 1) -> None:
         self._most = most
-        self.one, self.many = f"a whole number from 1 to {most}", f"whole numbers from 1 to {most}"
-        self.json = {"type": "integer", "minimum": 1, "maximum": most}
+        span = f"from {told} to {most}"
+        self.one, self.many = f"a whole number {span}", f"whole numbers {span}"
+        self.json = {"type": "integer", "minimum": told, "maximum": most}
 
     def read(self, here: Here) -> int:
         """Return the number."""

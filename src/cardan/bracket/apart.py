@@ -4,8 +4,10 @@ CAD kernel and mesher are libraries that can crash, run for ever or fill the mem
 the process with them. A report is not to die of a fillet.
 """
 
+import errno
 import os
 import pickle
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -16,12 +18,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from cardan.base.errors import CardanError
+from cardan.base.errors import CardanError, DesignError
 
 _BEGIN = (
     "import pickle,sys; sys.path[:] = pickle.loads(bytes.fromhex(sys.argv[1])); "
     "from cardan.bracket.apart import answer; answer(sys.argv[2])"
 )
+_NO_ROOM = 74
+"""With what a process ends that could not write down its answer: EX_IOERR of sysexits.h."""
 _LOOK = 0.25  # s between looks at the memory
 _STARVED = 4.0
 """Times its seconds, by the clock, that a process has whose processor others are on."""
@@ -68,12 +72,17 @@ def apart(
     ------
     Crashed
         If it ends without an answer, with the reason.
+    DesignError
+        If the folder for temporary files cannot be written.
     CardanError
         What the function raised.
     """
-    with tempfile.TemporaryDirectory(prefix="cardan-") as folder:
+    with _folder() as folder:
         question, reply = Path(folder, "question"), Path(folder, "reply")
-        question.write_bytes(pickle.dumps((function.__module__, function.__qualname__, args)))
+        try:
+            question.write_bytes(pickle.dumps((function.__module__, function.__qualname__, args)))
+        except OSError as error:
+            raise _no_room(folder, error.strerror) from error
         path = pickle.dumps([p or str(Path.cwd()) for p in sys.path]).hex()
         why: list[str] = []
         with subprocess.Popen(
@@ -93,6 +102,8 @@ def apart(
                     child.kill()
                     child.wait()
                 watch.join()
+        if child.returncode == _NO_ROOM:
+            raise _no_room(folder, "no room for an answer")
         if not reply.exists():
             raise Stopped(why[0]) if why else Crashed(_ending(child.returncode))
         with reply.open("rb") as stream:
@@ -102,8 +113,33 @@ def apart(
     return told.answer
 
 
+def _folder() -> "tempfile.TemporaryDirectory[str]":
+    try:
+        return tempfile.TemporaryDirectory(prefix="cardan-", ignore_cleanup_errors=True)
+    except OSError as error:
+        raise _no_room(str(error.filename), error.strerror) from error
+
+
+def _no_room(folder: str, why: str | None) -> DesignError:
+    return DesignError(
+        f"the folder for temporary files, {Path(folder).parent}, cannot be written ({why}): free "
+        "it, or name another by the environment's TMPDIR"
+    )
+
+
 def answer(folder: str) -> None:
     """Answer the question in a folder: what the process does."""
+    parent, code = os.getppid(), 1
+    try:
+        code = _answered(Path(folder))
+    finally:
+        if os.getppid() != parent:  # who asked was killed, and tidies up no more
+            shutil.rmtree(folder, ignore_errors=True)
+        os._exit(code)  # the kernel's own tidying up at the end has crashed before
+
+
+def _answered(folder: Path) -> int:
+    """Write down the answer; return with what the process is to end."""
     module, name, args = pickle.loads(Path(folder, "question").read_bytes())
 
     def tell(what: str) -> None:
@@ -114,12 +150,18 @@ def answer(folder: str) -> None:
         told = Told(getattr(import_module(module), name)(*args, tell), None)
     except CardanError as error:
         told = Told(None, error)
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+            raise
+        return _NO_ROOM
     part = Path(folder, "part")
-    with part.open("wb") as stream:  # not by way of bytes: an answer is large enough once
-        pickle.dump(told, stream, protocol=pickle.HIGHEST_PROTOCOL)
-    part.rename(Path(folder, "reply"))
-    sys.stdout.flush()
-    os._exit(0)  # the kernel's own tidying up at the end has crashed before
+    try:
+        with part.open("wb") as stream:  # not by way of bytes: an answer is large enough once
+            pickle.dump(told, stream, protocol=pickle.HIGHEST_PROTOCOL)
+        part.rename(Path(folder, "reply"))
+    except OSError:
+        return _NO_ROOM
+    return 0
 
 
 def _watch(child: "subprocess.Popen[str]", memory: float, seconds: float, why: list[str]) -> None:

@@ -193,6 +193,12 @@ class Elastic:
             other.__dict__[known] = getattr(self, known)
         return other
 
+    def solved(self) -> "Elastic":
+        """Return the same solid without its factors, most of its memory: it solves no more."""
+        other = replace(self, inverse=None)
+        other.__dict__.update(self.__dict__ | {"inverse": None})
+        return other
+
     def floating(self) -> "Elastic":
         """Return the same solid held by nothing but three points: loads in balance strain it alone.
 

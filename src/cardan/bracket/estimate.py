@@ -1,7 +1,7 @@
 """How large a bracket's model will be, before any of it is meshed."""
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from cardan.base.errors import DesignError
 from cardan.base.units import Metre, mm
@@ -51,54 +51,67 @@ class Estimate:
         )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Model:
+    """A model as it is asked for.
+
+    Attributes
+    ----------
+    volume, area
+        Of the solid, m³ and m² of its surface.
+    size
+        Edge of its elements, m.
+    degree
+        Of their displacements.
+    finer
+        Triangles of faces that ask for a smaller edge, washers above all.
+    forces
+        Between flange and frame, in contact.
+    """
+
+    volume: float
+    area: float
+    size: Metre
+    degree: int
+    finer: float = 0.0
+    forces: float = 0.0
+
+    @property
+    def thickness(self) -> Metre:
+        """Of a sheet of that volume and surface."""
+        return 2 * self.volume / self.area
+
+
 def triangles(area: float, edge: Metre) -> float:
     """Return how many triangles of an edge cover an area m²."""
     return area / (0.433 * edge**2)
 
 
-def estimate(
-    *,
-    volume: float,
-    area: float,
-    size: Metre,
-    degree: int,
-    finer: float = 0.0,
-    forces: float = 0.0,
-) -> Estimate:
-    """Estimate a model from its volume m³, its surface m² and the edge of its elements.
+def estimate(of: Model) -> Estimate:
+    """Estimate what a model takes.
 
     A sheet is as many prisms of three tetrahedra as triangles of the edge cover one side of
-    it, in as many layers as the edge goes into its thickness; `finer` are the triangles of faces
-    that ask for a smaller edge, washers above all. Memory and time are those of
+    it, in as many layers as the edge goes into its thickness. Memory and time are those of
     sparse Cholesky factorisations of a sheet's stiffness, two of the last mesh, one for each way
-    its flange is held: measured at 43, 72 and 260 thousand unknowns. In contact there are `forces`
-    between flange and frame, with a third, and a back-substitution each.
+    its flange is held: measured at 43, 72 and 260 thousand unknowns. In contact there is a third,
+    for which these make room, and a back-substitution for each force.
     """
-    thickness = 2 * volume / area
-    layers = max(thickness / size, 1.0)
-    elements = 1.3 * 3 * layers * triangles(area / 2, size) + _BEHIND * finer
-    unknowns = _ADDED + _UNKNOWNS[degree] * elements
-    denser = (degree / 2) ** 1.0  # higher degrees couple more unknowns to each
+    layers = max(of.thickness / of.size, 1.0)
+    elements = 1.3 * 3 * layers * triangles(of.area / 2, of.size) + _BEHIND * of.finer
+    unknowns = _ADDED + _UNKNOWNS[of.degree] * elements
+    denser = (of.degree / 2) ** 1.0  # higher degrees couple more unknowns to each
     factor, plain = 20 * unknowns ** (4 / 3), 8e3 * unknowns
-    contact = forces * 24 * _PLACES * unknowns + (factor if forces else 0.0)
-    minutes = 3 * 6.8 * (unknowns / 72_705) ** 1.42 + forces * 0.055 * (unknowns / 72_705) ** 1.42
+    contact = of.forces * 24 * _PLACES * unknowns
+    minutes = (3 * 6.8 + of.forces * 0.055) * (unknowns / 72_705) ** 1.42
     return Estimate(
-        elements=unknowns / _UNKNOWNS[degree],
+        elements=unknowns / _UNKNOWNS[of.degree],
         unknowns=unknowns,
         memory=0.2e9 + denser * (plain + 2 * factor) + contact,
         minutes=denser * minutes / 60,
     )
 
 
-def affordable(
-    *,
-    volume: float,
-    area: float,
-    size: Metre,
-    degree: int,
-    finer: float = 0.0,
-    forces: float = 0.0,
-) -> Estimate:
+def affordable(model: Model) -> Estimate:
     """Estimate a model, and refuse one that would take too much memory or time.
 
     Washers and bends ask for elements by the sheet's thickness, however large those asked for are.
@@ -108,13 +121,11 @@ def affordable(
     DesignError
         With the estimate, the limits and what to change.
     """
-    coarsest = _COARSEST * 2 * volume / area
-    size = min(size, coarsest)
+    coarsest = _COARSEST * model.thickness
+    size, degree, forces = min(model.size, coarsest), model.degree, model.forces
 
     def of(edge: Metre, forces: float) -> Estimate:
-        return estimate(
-            volume=volume, area=area, size=edge, degree=degree, finer=finer, forces=forces
-        )
+        return estimate(replace(model, size=edge, forces=forces))
 
     def fits(one: Estimate) -> bool:
         return one.memory <= memory and one.minutes <= MINUTES
@@ -136,7 +147,7 @@ def affordable(
         msg += "contact in its bolts takes that: leave out `bolts`, or check the bracket's sizes"
     else:
         msg += (
-            f"a sheet of {2 * volume / area / mm:.2g} mm asks for such elements at its bolts and "
+            f"a sheet of {model.thickness / mm:.2g} mm asks for such elements at its bolts and "
             "bends, whatever `element_mm` says: check its thickness, and how large it is"
         )
     raise DesignError(msg, about="bracket")

@@ -110,6 +110,10 @@ class Solution:
     zones: Zones
     unit: FloatArray
 
+    def kept(self) -> "Solution":
+        """Return it without the factors of its solid."""
+        return replace(self, elastic=self.elastic.solved())
+
 
 Feature: TypeAlias = tuple[int, int]
 Tops: TypeAlias = dict[Feature, FloatArray]

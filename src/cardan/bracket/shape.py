@@ -5,7 +5,7 @@ what leaves this module is scaled to metres, with the bearing's centre at the or
 """
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -28,8 +28,14 @@ WALL = " wall"
 WASHER = 2.0
 """Diameter of the ring a bolt bears on, over its hole's."""
 
-_AS_THICK = 4.0
+_AS_THICK = 1.75
 """Times the mean thickness of a solid, and share of it, that its walls may have."""
+_ALONG = np.cos(np.radians(20))
+"""Of the angle between a bore and the shaft's direction: shafts slope by less."""
+_TIE = 0.01
+"""mm, by which another face may be farther from a point that picks one."""
+_PAD = 4.0
+"""Radii of a hole, from its axis, that a pad about it may reach."""
 _WIDE = 3.0
 """Times its thickness, a round whose elements that thickness bounds, and not its radius alone."""
 _NEAR = 1e-3  # mm: faces of a drawing meet far closer, and none is smaller
@@ -291,12 +297,12 @@ def _from_step(part: StepShape) -> Solid:
         raise DesignError(msg, about="bracket.step") from error
     body = _chosen(body, part)
     faces = list(body.faces)
-    _as_thick(body, faces, part)
     wanted = [(SEAT, part.seat), *((f"bolt {k}", (p,)) for k, p in enumerate(part.bolts, 1))]
     taken: dict[int, str] = {}
     found: list[Picked] = []
     rings: list[tuple[str, Any]] = []
     imprints: list[Any] = []
+    long: list[float] = []
     round_: set[int] = set()
     seat: tuple[list[Any], _Cylinder | None] = [], None
     for name, picks in wanted:
@@ -327,7 +333,10 @@ def _from_step(part: StepShape) -> Solid:
         if name == SEAT:
             seat = [faces[k] for k in mine], bore
             continue
+        long += [_length(faces[k], bore) for k in walls]
         flat = sorted(mine - walls.keys())
+        for k in flat:
+            _round_its_hole(body, faces, k, part, name)
         if flat:  # a ring, or a pad, is drawn already
             rings.append((name, faces[flat[0]]))
         elif bore is not None and (ring := _ring(body, bore, part)) is not None:
@@ -335,6 +344,7 @@ def _from_step(part: StepShape) -> Solid:
             imprints.append(ring)
         if rings and rings[-1][0] == name:
             round_ |= walls.keys()
+    _as_thick(body, faces, long, part)
     _centred(*seat, part)
     if seat[1] is None:
         _no_bore(body, {k: face for k, face in enumerate(faces) if k not in taken}, part)
@@ -402,6 +412,13 @@ def _picked(faces: list[Any], pick: Pick, path: str, name: str, place: int) -> I
             f"{name}: no face of {path} lies within 1 mm of "
             f"{tuple(round(v, 3) for v in point)} mm: the nearest is {distances[best]:.3g} mm "
             f"away, a face of {faces[best].mass:.4g} mm2 about ({c.x:.4g}, {c.y:.4g}, {c.z:.4g}) mm"
+        )
+        raise DesignError(msg, about=about)
+    near = {k for k, d in enumerate(distances) if d <= distances[best] + _TIE}
+    if near - {*_bore(faces, best)} - {best}:
+        msg = (
+            f"{name}: {len(near)} faces of {path} lie as near to "
+            f"{tuple(round(v, 3) for v in point)} mm: pick by a point within one of them"
         )
         raise DesignError(msg, about=about)
     return [best]
@@ -512,6 +529,13 @@ def _centred(faces: list[Any], bore: _Cylinder | None, part: StepShape) -> None:
     """Refuse a centre that is not the seat's: a wrong one makes a moment of every force."""
     centre = np.array(part.centre) / mm
     if bore is not None:
+        if abs(bore.axis[0]) < _ALONG:
+            axis = ", ".join(f"{round(float(v), 3) + 0.0:g}" for v in bore.axis)
+            msg = (
+                f"the bore picked of {part.path} as the seat lies along ({axis}), and the shaft "
+                "along x, rearward: turn the file's axes to the vehicle's, x rearward and z up"
+            )
+            raise DesignError(msg, about="bracket.step.seat")
         off = centre - bore.point
         across = float(np.linalg.norm(off - (off @ bore.axis) * bore.axis))
         if across > max(0.5, 0.02 * bore.radius):
@@ -555,17 +579,56 @@ def _no_bore(body: Any, left: dict[int, Any], part: StepShape) -> None:
             raise DesignError(msg, about="bracket.step.seat")
 
 
-def _as_thick(body: Any, faces: list[Any], part: StepShape) -> None:
-    """Refuse a thickness that is not the solid's: another unit's, or a slip. It sets the mesh."""
+def _as_thick(body: Any, faces: list[Any], long: Sequence[float], part: StepShape) -> None:
+    """Refuse a thickness that is not the solid's: another unit's, or a slip.
+
+    It sets the mesh, and how near a border stress is read. Walls are about as thick as the volume
+    over half the surface, or as its bolts' holes are `long`.
+    """
     told, mean = part.thickness / mm, 2 * body.mass / sum(face.mass for face in faces)
-    if not 1 / _AS_THICK < told / mean < _AS_THICK:
+    if not min(mean, *long, mean) / _AS_THICK < told < _AS_THICK * max(mean, *long, mean):
         low, high = body.bounding_box
         size = " x ".join(f"{getattr(high, a) - getattr(low, a):.4g}" for a in "xyz")
         msg = (
-            f"walls of {told:g} mm are not those of {part.path}: it measures {size} mm, and its "
-            f"volume over half its surface is {mean:.3g} mm; is its unit another?"
+            f"walls of {told:g} mm are not those of {part.path}: it measures {size} mm, its volume "
+            f"over half its surface is {mean:.3g} mm, and through its bolts' holes it is "
+            f"{max(long, default=mean):.3g} mm thick; is its unit another?"
         )
         raise DesignError(msg, about="bracket.step.thickness")
+
+
+def _length(wall: Any, bore: _Cylinder | None) -> float:
+    """Return how long a bore is by a face of it, mm."""
+    assert bore is not None
+    along = [
+        float(np.dot((p.x, p.y, p.z), bore.axis)) for e in wall.edges for p in (e.start, e.end)
+    ]
+    return max(along) - min(along)
+
+
+def _round_its_hole(body: Any, faces: list[Any], picked: int, part: StepShape, name: str) -> None:
+    """Refuse a flat face for a bolt that is no ring or pad about the hole of one."""
+    face = faces[picked]
+    low, high = face.bounding_box
+    low, high = (np.array([p.x, p.y, p.z]) for p in (low, high))
+    holes = [
+        c for k, other in enumerate(faces)
+        if k != picked and face.Distance(other) < 1e-3 and (c := _cylinder(other))
+        and np.abs((high - low) @ np.abs(c.axis)) < 1e-2 and not _outside(body, other, c)
+    ]  # fmt: skip
+    far = [
+        float((np.abs(np.stack([low, high]) - c.point) * (1 - np.abs(c.axis))).max()) / c.radius
+        for c in holes
+    ]  # fmt: skip
+    if holes and max(far) <= _PAD:
+        return
+    size = " x ".join(f"{v:.4g}" for v in high - low if v > 1e-2)
+    has = f"with a hole of {2 * holes[0].radius:.4g} mm" if holes else "without a hole"
+    msg = (
+        f"{name}: a flat face picked of {part.path}, {size} mm {has}, is no bolt's: pick the "
+        "wall of its hole, or a ring or pad about one hole"
+    )
+    raise DesignError(msg, about=_about(name))
 
 
 def _ring(body: Any, bore: _Cylinder, part: StepShape) -> Any:

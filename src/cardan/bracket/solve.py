@@ -18,7 +18,7 @@ from cardan.base.units import Metre, mm
 from cardan.bracket.afar import too_high
 from cardan.bracket.apart import Crashed, Stopped, apart
 from cardan.bracket.elastic import IntArray, Nodes, Progress, silent
-from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, affordable, triangles
+from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, Model, affordable, triangles
 from cardan.bracket.gauges import influence
 from cardan.bracket.joint import PATCH, Joint, condensed, forces_of
 from cardan.bracket.refine import (
@@ -276,10 +276,10 @@ def solve(task: Task, tell: Progress) -> Solved:
     body = solid(task.shape)
     size = task.element or 1.5 * body.thickness
     finer = _asked_of_faces(body, size, bolted=task.bolted)
-    expected = affordable(
+    expected = affordable(Model(
         volume=body.volume, area=_area(body.shape.faces), size=size, degree=task.order,
         finer=finer, forces=_forces(body) if task.bolted else 0.0,
-    )  # fmt: skip
+    ))  # fmt: skip
     tell(f"expecting {expected}")
     problem = Problem(
         shape=body.shape, material=task.material, held=body.held("sliding"),
@@ -301,6 +301,8 @@ def solve(task: Task, tell: Progress) -> Solved:
     sliding = _held("sliding", body, done.last, task, size)
     assert done.firm is not None
     clamped = _held("clamped", body, done.firm, task, size)
+    # In contact a third factorisation comes: these two have done their work.
+    done = replace(done, last=done.last.kept(), firm=done.firm.kept())
     read, before = sliding.influence[:, :3], first[0][:, :3]
     return Solved(
         nodes=done.last.elastic.nodes,

@@ -23,6 +23,10 @@ CLOSELY = 1e-3
 """Share of the worst damage below which the largest cycle alone is counted."""
 _BEST = 3
 """Planes of a place that are counted closely."""
+_NOTHING, _ORDERS = 1e-6, 4
+"""Share of the largest wave below which one is none; and how many are few."""
+_STEPS, _ROUGHLY = 200, 0.01
+"""Of the search for an ellipsoid at most; and how near it is enough."""
 _CHUNK = 4_000_000
 _NEAR = 200_000
 """Numbers that stay near a processor: extremes of few moments are found five times as fast."""
@@ -136,15 +140,85 @@ def swings(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArra
     return mean, amplitude
 
 
-def largest_cycles(
-    unit: ArrayLike, normals: ArrayLike, passes: Sequence[Pass], *, harm: Harm
-) -> FloatArray:
-    """Damage (m, planes) of the largest cycle of each pass, on each plane of `plane_damage`.
+@dataclass(frozen=True)
+class Reach:
+    """What holds all moments of a load history: a middle, and about it the sum of ellipsoids.
 
-    Told by the moments where loads go farthest, of all places of a pass together: all cycles do
-    as much at least, and so many times as much at most as there are.
+    Attributes
+    ----------
+    middle : (c,)
+    axes : ((c, r), ...)
+        Of each ellipsoid.
+    cycles
+        More than any sum of the loads has in a pass.
     """
-    return _largest(on_planes(unit, plane_directions(normals)), passes, harm)
+
+    middle: FloatArray
+    axes: tuple[FloatArray, ...]
+    cycles: int
+
+    def swings(self, stress: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return mean and amplitude (...) Pa that harm as any cycle of stresses (..., c), or more.
+
+        No moment is higher or lower; and of cycles with one top the larger fares worse.
+        """
+        size = np.zeros(stress.shape[:-1])
+        for axes in self.axes:
+            size += np.sqrt(((stress @ axes) ** 2).sum(axis=-1))
+        return stress @ self.middle, size
+
+
+def reach(passes: FloatArray, worth: FloatArray | float = 1.0) -> Reach:
+    """Return what holds all moments of passes (p, t, c) of loads, each worth so much stress (c,).
+
+    Of few orders each has its ellipse, which one order fills; else it is about the smallest
+    ellipsoid. A sum of waves has no more cycles than its highest order.
+    """
+    waves = np.fft.rfft(passes, axis=1) * 2 / passes.shape[1]
+    size = (np.abs(waves) * worth).max(axis=(0, 2))[1:]
+    orders = np.flatnonzero(size > _NOTHING * size.max(initial=0.0)) + 1
+    cycles, middles = int(orders.max(initial=1)), passes.mean(axis=1)
+    if len(orders) <= _ORDERS:
+        # Passes may differ in where their waves begin.
+        spans = (waves[:, orders, :, None] * waves[:, orders, None].conj()).real
+        if _alike(spans) and _alike(middles):
+            axes = tuple(np.stack([w.real, w.imag], axis=-1) for w in waves[0, orders])
+            return Reach(middles[0], axes, cycles)
+    middle, held = _held(passes.reshape(-1, passes.shape[-1]), worth)
+    return Reach(middle, (held,), cycles)
+
+
+def _alike(passes: FloatArray) -> bool:
+    return np.allclose(passes, passes[0], atol=_NOTHING * np.abs(passes).max(initial=0.0))
+
+
+def _held(points: FloatArray, worth: FloatArray | float) -> tuple[FloatArray, FloatArray]:
+    """Return middle (c,) and axes (c, r) of about the smallest ellipsoid that holds points (t, c).
+
+    Source: Khachiyan, Math. Oper. Res. 21 (1996) 307.
+    """
+    scale = np.broadcast_to(np.asarray(worth, dtype=float), points.shape[1:])
+    mean = points.mean(axis=0)
+    goes, size, ways = np.linalg.svd((points - mean) * scale, full_matrices=False)
+    kept = size > _NOTHING * size[0]
+    goes, n = goes[:, kept], int(kept.sum()) + 1
+    back = size[kept, None] * ways[kept] / np.where(scale > 0, scale, np.inf)
+    lifted = np.column_stack([goes, np.ones(len(points))])
+    weight = np.full(len(points), 1 / len(points))
+    for _ in range(_STEPS):
+        out = ((lifted @ np.linalg.inv((lifted.T * weight) @ lifted)) * lifted).sum(axis=1)
+        k = int(out.argmax())
+        if out[k] <= n * (1 + _ROUGHLY):
+            break
+        step = (out[k] - n) / (n * (out[k] - 1))
+        weight *= 1 - step
+        weight[k] += step
+    middle = weight @ goes
+    away = goes - middle
+    axes = np.linalg.cholesky((away.T * weight) @ away)
+    # Wherever the search ended, it is made as large as holds them all.
+    axes *= np.sqrt((np.linalg.solve(axes, away.T) ** 2).sum(axis=0).max())
+    return mean + middle @ back, (axes.T @ back).T
 
 
 def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
@@ -213,7 +287,9 @@ def plane_damage(
     rough = _largest(stress, passes, harm)
     damage = rough.max(axis=1)
     best = rough.argmax(axis=1)
-    counts = np.flatnonzero(damage > closely * damage.max(initial=0.0))
+    # What breaks at once does endless damage, and no share of that is a number.
+    least = closely * damage.max(initial=0.0) if closely else 0.0
+    counts = np.flatnonzero(damage > least)
     order = np.argsort(-rough[counts], axis=1)[:, :_BEST]
     share = np.take_along_axis(stress[counts], order[..., None], axis=1)
     exact = np.zeros(order.shape)

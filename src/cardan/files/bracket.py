@@ -36,6 +36,7 @@ from cardan.fatigue.detail import sheet_amplitude
 from cardan.files.catalogue import ADetail, AMaterial
 from cardan.model.application import Installed
 from cardan.model.bracket import (
+    ZONES,
     Bolts,
     Bracket,
     BracketCase,
@@ -80,6 +81,11 @@ DEFAULTS: dict[Zone, str] = {
     "cut edge": "iiw-edge-125", "weld toe": "iiw-hotspot-90", "bolt border": "ec3-bolted-90",
 }  # fmt: skip
 """Details of the shipped catalogue, where a file says nothing of a zone: the cautious ones."""
+OF_STATES = (
+    "static", "order 2", "combined", "peak", "worst point",
+    *(f"widest swing, {zone}" for zone in ZONES),
+)  # fmt: skip
+"""The load cases that states have of themselves."""
 LEAST_ORDER = 2
 """Of elements that a verdict can stand on."""
 Way: TypeAlias = Annotated[tuple[float, float, float], ListOf(Number(), *AXES)]
@@ -429,18 +435,22 @@ class BracketTable(Table):
     )
     optimise: OptimiseTable | None = key("sizes to choose the lightest from", default=None)
     element: Size | None = key("largest edge of an element; default the thickness", default=None)
-    order: Annotated[int, Whole(4)] = key(
+    order: Annotated[int, Whole(4, told=LEAST_ORDER)] = key(
         "degree of the displacements, 2 to 4; 1 is read as 2", default=2
     )
 
     def bracket(self, lines: tuple[Installed, ...], states: tuple[str, ...]) -> Bracket:
         """Return the bracket in SI."""
-        for what, parts in (("gauges", self.gauges), ("cases", self.cases)):
-            self.differ(what, [part.name for part in parts])
-        self.differ(
-            "recordings", [part.name for part in self.recordings],
-            beside=[part.name for part in self.cases],
-        )  # fmt: skip
+        own = [f"{state}: {what}" for state in states for what in OF_STATES]
+        self.differ("gauges", [part.name for part in self.gauges])
+        for k, part in enumerate(self.cases, 1):
+            if part.name in own:
+                self.at("cases", k).note(
+                    "a load case of that state has this name", "give it another", got=part.name
+                )
+        by_hand = [part.name for part in self.cases]
+        self.differ("cases", by_hand)
+        self.differ("recordings", [part.name for part in self.recordings], beside=own + by_hand)
         for k, case in enumerate(self.cases, 1):
             if case.state and case.state not in states:
                 hint = nearest(case.state, list(states))

@@ -73,6 +73,10 @@ def terminal(
             hours=hours(found.best.life, say, found.best.judged.life_within),
         )  # fmt: skip
         yield from folded([chosen], width)
+        if found.best.at_least < found.target:
+            yield from folded(
+                [say("By the error of its stress it may live shorter than that.")], width
+            )
     elif short:
         yield say("None of them lives that long in bolts that hold.")
     else:

@@ -89,7 +89,11 @@ def check(of: Check) -> dict[str, Any]:
         "how_read": of.how_read or None,
         **({"point": operating_point(of.point)} if of.point else {}),
         **({"mode": _met(of.mode)} if of.mode else {}),
-        **({"value_within": _within(of.within, quantity.factor)} if of.within else {}),
+        **(
+            {"value_within": _within(of.within, quantity.factor), "may_be": of.may_be}
+            if of.within
+            else {}
+        ),
     }
 
 

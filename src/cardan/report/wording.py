@@ -79,10 +79,16 @@ def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str
     if isinstance(c, Check) and c.within:
         quantity = QUANTITIES[c.quantity]
         low, high = (say.short(end / quantity.factor, 4) for end in c.within)
-        told.append(say(
-            "between {low} and {high} {unit} by the error of its stress",
-            low=low, high=high, unit=quantity.unit_name,
-        ))  # fmt: skip
+        means = (
+            "between {low} and {high} by the error of its stress"
+            if not quantity.unit_name
+            else "between {low} and {high} {unit} by the error of its stress"
+        )
+        told.append(say(means, low=low, high=high, unit=quantity.unit_name))
+        if c.may_be != c.grade:
+            told.append(
+                say({"warn": "by that it may warn", "fail": "by that it may fail"}[c.may_be])
+            )
     where = say.list(*told) if c.part == LINE else say.list(*told, say.part(c.part))
     return f"{c.line}: {where}" if several else where
 

@@ -24,11 +24,10 @@ from cardan.bracket.refine import LEVELS
 from cardan.bracket.solve import Held
 from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
-from cardan.fatigue.critical import farthest
 from cardan.loads.cycle import Cycle
 from cardan.model.application import RIDING, Application
 from cardan.model.bracket import Bracket, BracketCase, Shape
-from cardan.quantity.points import every, run
+from cardan.quantity.points import Points, every, run
 from cardan.quantity.response import Response, respond
 from cardan.study.bracket_forced import hung, on_rubber, swept
 from cardan.study.bracket_judge import Case, Judged, Mounted, judge
@@ -177,8 +176,11 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
     if quantity == "bracket_stress_utilisation" and strength:
         for o in variant.outcomes:
             worst = int(np.argmax(o.hot))
-            used = float(o.hot[worst]) / strength
-            yield _Value(o.case.when, variant.features[worst].part, used, o.case.point)
+            used, off = o.hot / strength, o.error / strength
+            yield _Value(
+                o.case.when, variant.features[worst].part, float(used[worst]), o.case.point,
+                within=(max(float((used - off).max()), 0.0), float((used + off).max())),
+            )  # fmt: skip
     if quantity == "bracket_fatigue_utilisation":
         yield from _fatigue(variant)
     if quantity == "bracket_life":
@@ -212,7 +214,10 @@ def _fatigue(variant: Judged) -> Iterator[_Value]:
         worst = max(lasting, key=lambda o: float(np.nanmax(o.used[mine], initial=0.0)))
         at = max(mine, key=lambda k: float(np.nan_to_num(worst.used[k])))
         part, used = variant.features[at].part, float(worst.used[at])
-        yield _Value(worst.case.when, part, used, worst.case.point)
+        # Where the error may lie that way, another feature may use more, or another case.
+        ends = np.nan_to_num([o.used_within[mine] for o in lasting], posinf=np.inf)
+        low, high = ends.max(axis=(0, 1)).tolist()
+        yield _Value(worst.case.when, part, used, worst.case.point, within=(low, high))
 
 
 def _unanswered(
@@ -254,12 +259,13 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
     yield from (Case(c.name, _by_hand(bracket, c)[None]) for c in bracket.cases if not c.state)
     if response.line.joint_count < 3:
         return
+    found = every(response)
     for s, state in enumerate(response.demand.states):
-        yield from (own := [*_of_state(bracket, response, s)])
+        yield from (own := [*_of_state(bracket, response, s, found)])
         if not any(c.state == state for c in bracket.cases):
             continue
         # What the case adds may be worst where the state alone is not.
-        under = [*own[-1:], *_elsewhere(bracket, response, s)]
+        under = own[-1].among or own[-1:] if own else ()
         for c in bracket.cases:
             if c.state == state:
                 if not under:
@@ -272,7 +278,7 @@ def cases_of(bracket: Bracket, response: Response) -> Iterator[Case]:
                 among = tuple(
                     replace(u, name=c.name, what="", loads=u.loads + more, once=True) for u in under
                 )
-                yield Case(c.name, farthest(np.concatenate([a.loads for a in among])), among=among)
+                yield replace(among[0], among=among)
 
 
 def _by_hand(bracket: Bracket, case: BracketCase, *, standing: float = 0.0) -> FloatArray:
@@ -288,8 +294,8 @@ def _by_hand(bracket: Bracket, case: BracketCase, *, standing: float = 0.0) -> F
     return np.concatenate([force, case.moment, a])
 
 
-def _of_state(bracket: Bracket, response: Response, s: int) -> Iterator[Case]:
-    """Yield the cases of one state, that of its worst point last."""
+def _of_state(bracket: Bracket, response: Response, s: int, found: Points | None) -> Iterator[Case]:
+    """Yield the cases of one state, that of its worst point, of those found, last."""
     state, at = response.demand.states[s], (s, bracket.bearing - 1)
     forces, once = response.loads.bearing_forces, response.unbalance
     speed, gravity = float(response.demand.speed[s]), response.gravity
@@ -305,15 +311,14 @@ def _of_state(bracket: Bracket, response: Response, s: int) -> Iterator[Case]:
             state, forces=Cycle(worst.running.cycle.waves[at]), gravity=gravity,
             speed=point.speed, once=float(worst.running.order1[at]) if once else None,
         )  # fmt: skip
-        shakes = bool(response.seats)
-        yield replace(case, what="worst point", point=point, shakes=shakes)
+        # Where its force is most by its parts, neither stress nor swing need be.
+        here = replace(case, what="worst point", point=point, shakes=bool(response.seats))
+        others = _elsewhere(bracket, response, s, found) if found else ()
+        yield replace(here, among=(here, *others))
 
 
-def _elsewhere(bracket: Bracket, response: Response, s: int) -> Iterator[Case]:
+def _elsewhere(bracket: Bracket, response: Response, s: int, found: Points) -> Iterator[Case]:
     """Yield the case of each operating point of a state that its bearing was asked at."""
-    found = every(response)
-    if found is None:
-        return
     state, once = response.demand.states[s], response.unbalance
     for p in range(len(found.speed)):
         point = found.named((p, s))

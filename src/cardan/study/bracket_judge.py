@@ -7,7 +7,7 @@ a feature is the worse of the two.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import chain
 from typing import NamedTuple, TypeAlias
 
@@ -30,10 +30,10 @@ from cardan.fatigue.critical import (
     Pass,
     along,
     farthest,
-    largest_cycles,
     on_planes,
     plane_damage,
     plane_directions,
+    reach,
     swings,
 )
 from cardan.fatigue.rainflow import turns
@@ -52,8 +52,10 @@ _STRAIGHT = np.cos(np.radians(30))
 """Of the angle between a force and the way out of the frame, below which it pulls straight off."""
 _PLACES = 6
 """Such places of each feature, which every moment is asked of."""
-_NEARLY = 0.7
-"""Share of the worst swing of a feature, by few moments, from which a place is asked of all."""
+_MORE = 1.01
+"""Times its swing at the point of most stress, above which the point of most swing is told too."""
+SWINGS: dict[Zone, str] = {zone: f"widest swing, {zone}" for zone in ZONES}
+"""What a case of a state takes where a zone swings most, if that is not where it stresses most."""
 _AT_ONCE = 2000
 """Places whose planes are held at once: under 100 MB."""
 
@@ -83,13 +85,17 @@ class Case:
     once: bool = False
     """Whether nobody knows how often it happens: it does no damage."""
     among: tuple["Case", ...] = ()
-    """The same at each operating point: of these the worst is told. `loads` are then those that go
-    farthest, which the mesh is made for."""
+    """The same at each operating point: of these the worst is told."""
 
     @property
     def when(self) -> Occasion:
         """The case as an occasion of checks."""
         return Occasion("case", self.name, self.what)
+
+    @property
+    def far(self) -> FloatArray:
+        """The loads (k, 9) that a mesh is made for: of many points those that go farthest."""
+        return farthest(np.concatenate([c.loads for c in self.among])) if self.among else self.loads
 
     @property
     def repeats(self) -> bool:
@@ -99,6 +105,9 @@ class Case:
 
 Duty: TypeAlias = Mapping[Occasion, Sequence[tuple[float, Case]]]
 """The histories of a duty cycle with their shares, in each state that lasts."""
+
+Swings: TypeAlias = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""From stresses (m, planes, c) Pa of loads to mean and amplitude (m, planes) of a pass."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,6 +172,8 @@ class Outcome:
     used : (features,)
         That swing at zero mean over the amplitude its zone bears at the knee; nan where none
         is stated, or of a load by itself.
+    used_within : (features, 2)
+        The same where its stress is lower, and higher, by its error.
     strain : (gauges, 2)
         Smallest and largest reading.
     bolts : (b,) N
@@ -194,6 +205,7 @@ class Outcome:
     mean: FloatArray
     amplitude: FloatArray
     used: FloatArray
+    used_within: FloatArray
     strain: FloatArray
     bolts: FloatArray
     motion: Metre
@@ -327,12 +339,26 @@ class _Way:
     held: Held
     points: FloatArray
     feature: IntArray
-    count: int
+    kinds: IntArray
+    """Of its features the place of their zone in `ZONES`, (features,)."""
+
+    @property
+    def count(self) -> int:
+        """How many features both ways have."""
+        return len(self.kinds)
 
     @cached_property
     def unit(self) -> FloatArray:
         """Stress (places, c, 6) Pa of each column of its loads."""
         return np.concatenate([self.held.unit, self.held.swing.unit], axis=1)
+
+    @cached_property
+    def planes(self) -> FloatArray:
+        """Normal stress (places, planes, c) Pa of each column of its loads."""
+        directions = plane_directions(self.held.zones.normals)
+        return np.concatenate([
+            on_planes(self.unit[at], directions[at]) for at in _blocks(len(self.unit))
+        ])  # fmt: skip
 
     @cached_property
     def worth(self) -> FloatArray:
@@ -425,7 +451,7 @@ def _ways(solved: Solved) -> tuple[tuple[_Way, ...], tuple[tuple[int, int], ...]
             held,
             held.zones.points(solved.nodes),
             np.array([place[f] for f in held.zones.features])[held.zones.feature],
-            len(every),
+            np.array([kind for kind, _ in every]),
         )
         for held in solved.both
     )
@@ -442,37 +468,51 @@ def _swing(
     """Return what the normal stress uses of a fatigue limit at every place, its mean and amplitude.
 
     On the plane that uses most; of so many `times` (features,) the stress that is told. Where no
-    zone's limit is stated, the amplitude itself; far from the worst of a feature, 0. Where von
-    Mises stress is highest may be far from there: what is steady swings nothing. Every place
-    is asked at the moments where loads go farthest, of all passes, which tell a swing nearly, and
-    those near the worst of their feature at every moment.
+    zone's limit is stated, the amplitude itself; where it cannot be the worst of a feature, 0.
+    Where von Mises stress is highest may be far from there: what is steady swings nothing.
     """
-    passes = np.split(loads, places)
-    moments = [farthest(loads, way.worth)]
-    every = _swing_at(way, np.arange(len(way.feature)), moments, strength, times)
-    best = np.zeros(way.count)
-    np.maximum.at(best, way.feature, every[0])
-    near = np.flatnonzero(every[0] >= _NEARLY * best[way.feature])
-    every[:] = 0.0
-    every[:, near] = _swing_at(way, near, passes, strength, times)
+    passes = np.stack(np.split(loads, places))
+    swings_at = partial(_swing_at, way, strength=strength, times=times)
+    every = np.zeros((3, len(way.feature)))
+    most = swings_at(np.arange(len(way.feature)), [reach(passes, way.worth).swings])[0]
+    for at in _in_turn(way, most, every[0]):
+        every[:, at] = swings_at(at, [partial(swings, loads=one) for one in passes])
     return every[0], every[1], every[2]
+
+
+def _in_turn(way: _Way, most: FloatArray, found: FloatArray) -> Iterator[IntArray]:
+    """Yield the places that may be the worst of their feature: at `most` so bad, so bad as `found`.
+
+    Those where it may be worst; then all where it may be worse than was found there meanwhile.
+    """
+    first = np.unique(way.highest(most))
+    yield first
+    best = np.zeros(way.count)
+    np.maximum.at(best, way.feature[first], found[first])
+    rest = most > best[way.feature]
+    rest[first] = False
+    yield np.flatnonzero(rest)
 
 
 def _swing_at(
     way: _Way,
     places: IntArray,
-    passes: Sequence[FloatArray],
+    passes: Sequence[Swings],
     strength: Mapping[Zone, Strength],
     times: FloatArray,
 ) -> FloatArray:
-    """Return use, mean and amplitude (3, m) at some places, in the pass that uses most."""
+    """Return use, mean and amplitude (3, m) at some places, in the pass that uses most.
+
+    A pass says what mean and amplitude it makes of stresses (m, planes, c).
+    """
     best = np.zeros((3, len(places)))
     for block in _blocks(len(places)):
         at = places[block]
-        stress = on_planes(way.unit[at], plane_directions(way.held.zones.normals[at]))
+        stress = way.planes[at]
+        more, kind = times[way.feature[at]][:, None], way.held.zones.kind[at]
         for one in passes:
-            mean, amplitude = swings(stress, one)
-            share = _used(way, at, mean, amplitude, strength, times) if strength else amplitude
+            mean, amplitude = one(stress)
+            share = _used(kind, more * mean, more * amplitude, strength) if strength else amplitude
             plane = share.argmax(axis=-1)[:, None]
             found = [np.take_along_axis(v, plane, 1)[:, 0] for v in (share, mean, amplitude)]
             best[:, block] = np.where(found[0] > best[0, block], found, best[:, block])
@@ -485,19 +525,13 @@ def _blocks(count: int) -> list[slice]:
 
 
 def _used(
-    way: _Way,
-    at: IntArray,
-    mean: FloatArray,
-    amplitude: FloatArray,
-    strength: Mapping[Zone, Strength],
-    times: FloatArray,
+    kind: IntArray, mean: FloatArray, amplitude: FloatArray, strength: Mapping[Zone, Strength]
 ) -> FloatArray:
-    """Return the share (m, planes) of its zone's fatigue limit that swings at places use."""
-    more, kind = times[way.feature[at]][:, None], way.held.zones.kind[at]
+    """Return the share (m, ...) of the fatigue limit of zones (m,) of a kind that swings use."""
     used = np.zeros_like(amplitude)
     for zone in np.unique(kind).tolist():
         own = kind == zone
-        used[own] = strength[ZONES[zone]].used((more * amplitude)[own], (more * mean)[own])
+        used[own] = strength[ZONES[zone]].used(amplitude[own], mean[own])
     return used
 
 
@@ -525,13 +559,19 @@ def _damage(
 
 def _at_most(way: _Way, passes: Sequence[Pass], strength: Mapping[Zone, Strength]) -> FloatArray:
     """Return what damage passes may do at every place (m,): as if each cycle were the largest."""
-    most, count = np.zeros(len(way.feature)), max(p.loads.shape[1] for p in passes)
+    most = np.zeros(len(way.feature))
+    held = [reach(p.loads, way.worth) for p in passes]
     for block in _blocks(len(way.feature)):
         at = np.arange(len(way.feature))[block]
+        stress = way.planes[at]
         for mine, own, harm in _by_zone(way, at, passes, strength):
-            unit, normals = way.unit[at[mine]], way.held.zones.normals[at[mine]]
-            most[at[mine]] = largest_cycles(unit, normals, own, harm=harm).max(axis=1)
-    return most * max(count // 2, 1)
+            done = np.zeros(stress[mine].shape[:2])
+            for one, within in zip(own, held, strict=True):
+                mean, amplitude = within.swings(stress[mine])
+                more = np.broadcast_to(one.scale, len(mine))[:, None]
+                done += one.times * within.cycles * harm(more * amplitude, more * mean)
+            most[at[mine]] = done.max(axis=1)
+    return most
 
 
 def _by_zone(
@@ -552,17 +592,12 @@ def _worn(
 ) -> tuple[IntArray, FloatArray]:
     """Return the place (features,) where passes do each feature most damage, and how much.
 
-    Counted where they may do most, then wherever they may do more than was found there.
+    Counted wherever they may do most.
     """
     most = _at_most(way, passes, strength)
-    first = way.highest(most)
     done = np.full(len(most), -1.0)
-    at = np.unique(first)
-    done[at] = _damage(way, at, passes, strength)
-    found = np.zeros(way.count)
-    np.maximum.at(found, way.feature[at], done[at])
-    rest = np.flatnonzero((done < 0) & (most > found[way.feature]))
-    done[rest] = _damage(way, rest, passes, strength)
+    for at in _in_turn(way, most, done):
+        done[at] = _damage(way, at, passes, strength)
     top = way.highest(done)[:, 0]
     return top, np.where(way.has, done[top], 0.0)
 
@@ -617,7 +652,7 @@ def judge(
     riding = [case for parts in (duty or {}).values() for _, case in parts]
     task = Task(
         shape=shape, material=bracket.material, element=bracket.element, order=bracket.order,
-        cases=tuple(c.loads for c in (*cases, *riding)), weights=_weights(strength),
+        cases=tuple(c.far for c in (*cases, *riding)), weights=_weights(strength),
         gauges=bracket.gauges, carried_mass=bracket.carried_mass, rubber=bracket.rubber,
         loss=bracket.loss, levels=levels, bolted=bracket.bolts is not None,
     )  # fmt: skip
@@ -633,7 +668,7 @@ def judge(
         cases, duty, swept = on.cases, on.duty, on.swept
     told(f"stresses of {len(cases)} load cases")
     ways, known = _ways(solved)
-    cases = [_worst_of(case, ways) for case in cases]
+    cases = [worst for case in cases for worst in _worst_of(case, ways, strength)]
     error = np.array([solved.error.get(key, 0.0) for key in known])
     modulus = bracket.material.youngs_modulus
     outcomes, peaks = _outcomes(cases, solved, ways, error, strength, modulus)
@@ -705,19 +740,63 @@ def _bare(case: Case, way: _Way) -> FloatArray:
     return way.loads(case)[:, : len(UNITS)]
 
 
-def _worst_of(case: Case, ways: Sequence[_Way]) -> Case:
-    """Return of the operating points a case may meet that where it stresses most, held either way.
+def _worst_of(
+    case: Case, ways: Sequence[_Way], strength: Mapping[Zone, Strength]
+) -> Iterator[Case]:
+    """Yield of the operating points a case may meet that where it stresses most, held either way.
 
-    It is sought at the places that its farthest loads stress most.
+    Of a case that repeats also those where a zone swings most, by what it bears: where parts add
+    up to most force, none need be. Sought at the places that the farthest loads, and the farthest
+    swings, stress most.
     """
     if not case.among:
-        return case
-    worst = np.zeros(len(case.among))
+        yield case
+        return
+    stress = np.zeros(len(case.among))
+    swing = np.zeros((len(case.among), len(ZONES)))
     for way in ways:
-        unit = way.unit[np.unique(way.places(way.loads(case)))]
-        most = [envelope(unit, way.loads(one)).max() for one in case.among]
-        worst = np.maximum(worst, most)
-    return replace(case.among[int(worst.argmax())], among=case.among)
+        each = [way.loads(one) for one in case.among]
+        swung = [one - one.mean(axis=0) for one in each]
+        far = [way.places(farthest(np.concatenate(of), way.worth)) for of in (each, swung)]
+        at = np.unique(far)
+        stress = np.maximum(stress, [envelope(way.unit[at], one).max() for one in each])
+        if case.repeats:
+            passes = [
+                np.stack(np.split(v, c.places)) for v, c in zip(each, case.among, strict=True)
+            ]
+            _swung_most(way, at, passes, strength, swing)
+    worst = int(stress.argmax())
+    yield replace(case.among[worst], among=case.among)
+    told = swing[worst].copy()
+    for zone in np.argsort(-swing.max(axis=0)).tolist():
+        most = int(swing[:, zone].argmax())
+        if swing[most, zone] > _MORE * told[zone]:
+            told = np.maximum(told, swing[most])
+            yield replace(case.among[most], what=SWINGS[ZONES[zone]])
+
+
+def _swung_most(
+    way: _Way,
+    at: IntArray,
+    points: Sequence[FloatArray],
+    strength: Mapping[Zone, Strength],
+    found: FloatArray,
+) -> None:
+    """Find what passes (p, t, c) of each point use of each zone (points, zones) at some places.
+
+    Of those points that may use most; of others, what was `found` stays.
+    """
+    kind = way.held.zones.kind[at]
+
+    def used(of: Sequence[Swings]) -> FloatArray:
+        most = np.zeros(len(ZONES))
+        np.maximum.at(most, kind, _swing_at(way, at, of, strength, np.ones(way.count))[0])
+        return most
+
+    most = np.stack([used([reach(passes, way.worth).swings]) for passes in points])
+    for k in np.argsort(-(most / np.maximum(most.max(axis=0), 1e-300)).max(axis=1)).tolist():
+        if (most[k] > found.max(axis=0)).any():
+            found[k] = np.maximum(found[k], used([partial(swings, loads=p) for p in points[k]]))
 
 
 def _held(o: Outcome, contact: Contact, way: _Way) -> Outcome:
@@ -823,6 +902,12 @@ def _outcome(
             within = _span(way, worn, passes, strength, error) * way.has[:, None]
             span = np.fmax(span, within)
             spent = np.fmax(spent, done)
+    swung_within = np.full((count, 2), np.nan)
+    if strength and case.repeats:
+        ends = [times * (1 + sign * np.minimum(error, 1.0)) for sign in (-1, 1)]
+        swung_within = np.stack([
+            _used(ways[0].kinds, more * mean, more * amplitude, strength) for more in ends
+        ], axis=-1)  # fmt: skip
     sliding = ways[0]
     loads = sliding.loads(case)
     strain = superpose(sliding.influence[..., None], loads)[..., 0]
@@ -846,6 +931,7 @@ def _outcome(
         mean=mean,
         amplitude=amplitude,
         used=swung if strength and case.repeats else np.full(count, np.nan),
+        used_within=swung_within,
         strain=np.stack([strain.min(axis=-1), strain.max(axis=-1)], axis=-1),
         bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
         motion=float(np.linalg.norm(motion, axis=-1).max()),
@@ -980,7 +1066,7 @@ def _sorted(o: Outcome, order: IntArray) -> Outcome:
     """Return an outcome with its features in order."""
     return replace(
         o, hot=o.hot[order], error=o.error[order], mean=o.mean[order],
-        amplitude=o.amplitude[order], used=o.used[order],
+        amplitude=o.amplitude[order], used=o.used[order], used_within=o.used_within[order],
         times=None if o.times is None else o.times[order],
         life=o.life.at(order) if o.life else None,
     )  # fmt: skip
