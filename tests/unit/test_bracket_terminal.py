@@ -12,9 +12,9 @@ from brackets import BRACKET, LINE
 from cardan import files
 from cardan.base.part import Occasion
 from cardan.bracket.shape import Picked
-from cardan.model.bracket import Bolts
+from cardan.model.bracket import Bolts, BracketRecording
 from cardan.report import bracket_chapter, bracket_scene
-from cardan.report.bracket import bent_far, in_contact, terminal, verdict
+from cardan.report.bracket import bent_far, in_contact, remarks, terminal, verdict
 from cardan.report.language import CODES, Language
 from cardan.report.terminal import bare
 from cardan.study.approval import Approval
@@ -53,6 +53,7 @@ def judged(name: str, wear: float = 1.0) -> Judged:
     held = SimpleNamespace(
         compliance=np.diag([1e-7] * 6), influence=np.full((1, 9), 1e-7),
         frequencies=np.full(6, 310.5), carried=np.full(6, 60.25),
+        too_stiff=np.array([0.031, 0.012, 0.02]),
     )  # fmt: skip
     solved = SimpleNamespace(
         unknowns=72705, mass=1.25, sliding=held, clamped=held, influence_change=0.012,
@@ -268,3 +269,29 @@ def test_bolts_that_slip_are_told_by_their_case(code):
 def report_of(answer: BracketAnswer, say: Language) -> list[str]:
     """What a report says of its numbers."""
     return [*bracket_chapter.notes(answer, say)]
+
+
+def test_a_stiffness_to_paste_tells_how_far_elements_may_be_too_stiff():
+    assert "its elements are too stiff, by 3.1 % at most" in told("en", "original")
+
+
+def test_forces_read_from_gauges_tell_what_noise_makes_of_them():
+    """Against the scatter of forces read from 4000 readings of noise alone."""
+    random = np.random.default_rng(3)
+    influence = 1e-8 * random.standard_normal((4, 9))
+    noise = 1e-6 * random.standard_normal((4000, 4))
+    field = BracketRecording(name="field", rate=200.0, strain=noise)
+    (finding,) = approved("original").findings
+    of = replace(finding.answer, bracket=replace(finding.answer.bracket, recordings=(field,)))
+    v = of.variants[0]
+    held = SimpleNamespace(**vars(v.solved.sliding) | {"influence": influence})
+    v = replace(v, solved=SimpleNamespace(**vars(v.solved) | {"sliding": held}))
+    said = next(r for r in remarks(of, v) if "field" in r)
+    forces = np.linalg.lstsq(influence[:, :3], noise.T, rcond=None)[0]
+    read = [
+        float(n) for n in re.findall(r"([0-9.]+) N along|([0-9.]+) along", said) for n in n if n
+    ]
+    assert read == pytest.approx(forces.std(axis=1), rel=0.05)
+    # One of four gauges is left over: half of its noise.
+    left = float(re.search("([0-9.]+) microstrain of what", said)[1])
+    assert left == pytest.approx(0.5, rel=0.05)

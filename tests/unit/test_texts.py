@@ -14,7 +14,7 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.base.source import ASSUMED
 from cardan.base.units import mm
 from cardan.border.table import ListOf, MapOf, Table, TableRule, Text
-from cardan.bracket.estimate import affordable
+from cardan.bracket.estimate import Model, affordable
 from cardan.cli import cli
 from cardan.files import limit
 from cardan.files.campaign import (
@@ -312,7 +312,7 @@ def test_all_that_a_study_refuses_is_translated(code):
 def test_a_bracket_that_takes_too_long_is_refused_in_the_language(code, size, degree, volume):
     """An edge that would do is told; of a sheet of a tenth of a millimetre none would."""
     with pytest.raises(DesignError) as failed:
-        affordable(volume=1e-2 * volume, area=2.0, size=size * mm, degree=degree)
+        affordable(Model(volume=1e-2 * volume, area=2.0, size=size * mm, degree=degree))
     told = Language(code).error(f"a.yaml:3: bracket: original bracket: {failed.value}")
     assert {"elements", "allowed", "million"} < words(str(failed.value))
     english = "elements degree would allowed are about million unknowns minutes try lower check"

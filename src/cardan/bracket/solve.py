@@ -15,7 +15,7 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.units import Metre, mm
-from cardan.bracket.afar import too_high
+from cardan.bracket.afar import too_high, too_stiff
 from cardan.bracket.apart import Crashed, Stopped, apart
 from cardan.bracket.elastic import IntArray, Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, Model, affordable, triangles
@@ -112,6 +112,8 @@ class Held:
     too_high : (k,) 1
         Share by which the natural frequencies by itself may be above those of finer elements; of
         the clamped flange nobody asks it.
+    too_stiff : (3,) 1
+        The same of the stiffness against each force.
     influence : (gauges, 9)
         Strain of each gauge.
     swing : Swing
@@ -126,6 +128,7 @@ class Held:
     frequencies: FloatArray
     carried: FloatArray
     too_high: FloatArray
+    too_stiff: FloatArray
     influence: FloatArray
     swing: Swing
 
@@ -380,6 +383,9 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
         too_high=too_high(found.elastic, alone, shapes) if many else np.zeros(0),
+        too_stiff=too_stiff(
+            found.elastic, found.displacements[:3], units.compliance.diagonal()[:3]
+        ),
         influence=read[:, : len(UNITS)],
         swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :], loss=task.loss),
     )  # fmt: skip

@@ -13,6 +13,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
 from cardan.base.part import Occasion
 from cardan.base.units import MPa, N, hour, kN, mm, rpm
+from cardan.bracket.gauges import Recovered, recover
 from cardan.bracket.refine import UNSETTLED
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
@@ -67,7 +68,7 @@ def terminal(approval: Approval, say: Language = EN, *, width: int = WIDTH) -> I
     )
     yield from folded((pasted(v, say) for v in of.variants), width)
     for v in of.variants:
-        yield from folded([*crossed(v, say), *response(v, say), *remarks(v, say)], width)
+        yield from folded([*crossed(v, say), *response(v, say), *remarks(of, v, say)], width)
     for v in of.variants:
         yield from _features(v, say, width)
         yield from _stresses(v, say, width)
@@ -107,10 +108,12 @@ def heading(of: BracketAnswer, say: Language = EN) -> str:
 def pasted(v: Judged, say: Language = EN) -> str:
     """Return how a centre bearing of an application file says a bracket, as a line feels it."""
     stiff = ", ".join(f"{1 / v.compliance[k, k] / (N / mm):.4g}" for k in range(3))
-    return say(
+    told = say(
         "{name}: for cardan check the centre bearing may say  {key}",
         name=say(v.name), key=f"bracket: {{stiffness_N_mm: [{stiff}]}}",
     )  # fmt: skip
+    share = say.short(100 * float(v.solved.sliding.too_stiff.max()), 2)
+    return f"{told}  ({say('its elements are too stiff, by {share} % at most', share=share)})"
 
 
 def _rows(of: BracketAnswer, say: Language) -> Iterator[tuple[str, list[float]]]:
@@ -177,8 +180,8 @@ def response(v: Judged, say: Language = EN) -> Iterator[str]:
     )  # fmt: skip
 
 
-def remarks(v: Judged, say: Language = EN) -> Iterator[str]:
-    """Yield what a reader must know of how a variant was solved."""
+def remarks(of: BracketAnswer, v: Judged, say: Language = EN) -> Iterator[str]:
+    """Yield what a reader must know of how a variant was solved, and what was read from it."""
     if v.solved.fillet:
         drawn, taken = (say.number(r / mm) for r in v.solved.fillet)
         yield say(
@@ -199,6 +202,27 @@ def remarks(v: Judged, say: Language = EN) -> Iterator[str]:
                 "{name}: {pick} is {faces}, {area} mm².",
                 name=say(v.name), pick=p.name, faces=faces, area=area,
             )  # fmt: skip
+    for name, found in _read_back(of, v):
+        x, y, z = (say.number(n) for n in found.noise)
+        yield say(
+            "{name}: the forces of {recording} are read from gauges; a microstrain of noise is "
+            "{x} N along x, {y} along y and {z} along z, and {left} microstrain of what they read "
+            "no force explains (condition {condition}).",
+            name=say(v.name), recording=name, x=x, y=y, z=z, condition=say.number(found.condition),
+            left=say.number(1e6 * _size(found.residual)),
+        )  # fmt: skip
+
+
+def _read_back(of: BracketAnswer, v: Judged) -> Iterator[tuple[str, Recovered]]:
+    """Yield the recordings whose forces are read from gauges, on the flange that slides."""
+    for one in of.bracket.recordings:
+        if one.strain is not None:
+            yield one.name, recover(v.solved.sliding.influence[:, :3], one.strain)
+
+
+def _size(residual: FloatArray) -> float:
+    """Return the root mean square of what is left at each moment (t,)."""
+    return float(np.sqrt((residual**2).mean()))
 
 
 def used(v: Judged) -> FloatArray:
@@ -552,6 +576,16 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
         "stiffness_clamped_N_mm": [
             float(1 / v.solved.clamped.compliance[k, k] / (N / mm)) for k in range(3)
         ],
+        "read_back": [
+            {
+                "recording": name,
+                "noise_N": found.noise.tolist(),
+                "condition": found.condition,
+                "unexplained_microstrain": 1e6 * _size(found.residual),
+            }
+            for name, found in _read_back(of, v)
+        ],
+        "stiffness_too_high": v.solved.sliding.too_stiff.tolist(),
         "frequencies_Hz": v.frequencies.tolist(),
         "frequencies_too_high": v.solved.sliding.too_high.tolist(),
         "frequencies_loaded_Hz": v.carried.tolist(),

@@ -76,7 +76,7 @@ def told(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
     yield Text(
         paragraphs=(
             *(told for v in of.variants for told in crossed(v, say)),
-            *(r for v in of.variants for r in (*response(v, say), *remarks(v, say))),
+            *(r for v in of.variants for r in (*response(v, say), *remarks(of, v, say))),
         )
     )
     for v in of.variants:
