@@ -147,7 +147,8 @@ DECLARED = (
             "c": "motion at the bearing, of the line's coordinates q",
             "K, M, G": "stiffness of rubber and tubes, mass, gyroscope",
             "K_T": "stiffness of the torque T, whose moments turn with the shafts",
-            "f, W": "the crosses' moments on the shafts, and their frequency",
+            "f, W": "the crosses' moments on the shafts, whose rear yokes torque turns back by "
+            "T L / (G J), and their frequency",
         },
         source=DERIVED,
         use=_ON_RUBBER,
