@@ -413,7 +413,8 @@ def test_the_lightest_sheet_is_the_one_the_page_names():
         r"is (\d+) mm: ([\d.]+) kg for ([\d.]+), ([\d ]+) hours for ([\d ]+) \("
     )
     searched = search(files.read(CASE / "cured.yaml"))
-    (drawn,) = (one for one in searched.tried if one.sizes["thickness"] == pytest.approx(5e-3))
+    # By the first mesh, then by finer ones: by its error it might have lived long enough.
+    _, drawn = (one for one in searched.tried if one.sizes["thickness"] == pytest.approx(5e-3))
     assert searched.best.sizes["thickness"] == pytest.approx(thick / 1e3)
     assert [searched.best.mass, drawn.mass] == pytest.approx([heavy, light], abs=6e-4)
     assert [searched.best.life, drawn.life] == pytest.approx(lives, rel=1 / 3)
