@@ -206,7 +206,7 @@ def test_proposals_read_as_the_command_prints_them(app):
     found = cardan.fix(app, count=2)
     assert len(found) == 2
     assert repr(found) == terminal.bare(terminal.proposals(tuple(found)))
-    assert "bearing 2 up 10 mm" in repr(found)
+    assert "bearing 2 up 20 mm" in repr(found)
     assert found.to_dict()[0]["line"] == "main"
 
 

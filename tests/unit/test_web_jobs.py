@@ -555,7 +555,7 @@ def test_a_library_is_what_each_file_comes_to(tmp_path):
         assert third["worst"]["name"]
         one.say("job", id=2, job="compare", text="", file=0, args={"files": [2]})
         told = one.hear("done")
-        assert [v["name"] for v in told["variants"]] == ["", "c.yaml"]
+        assert [v["name"] for v in told["variants"]] == ["a.yaml", "c.yaml"]
         one.say("job", id=3, job="library", text="", args={"texts": []})
         with pytest.raises(ConnectionClosed):
             one.hear("done")

@@ -44,6 +44,7 @@ Length: TypeAlias = Annotated[float, COORDINATE]
 Size: TypeAlias = Annotated[float, length(least=0.01 * mm, most=20, usual=(0.2 * mm, 4))]
 Distance: TypeAlias = Annotated[float, length(least=0, most=20, usual=(0.2 * mm, 4))]
 ShaftLength: TypeAlias = Annotated[float, length(least=5 * mm, most=50, usual=(0.1, 6))]
+TubeLength: TypeAlias = Annotated[float, length(least=5 * mm, most=50, usual=(5 * mm, 6))]
 Diameter: TypeAlias = Annotated[float, length(least=1 * mm, most=3, usual=(15 * mm, 0.4))]
 Wall: TypeAlias = Annotated[float, length(least=0.02 * mm, most=1.5, usual=(0.8 * mm, 25 * mm))]
 PlyThickness: TypeAlias = Annotated[

@@ -27,6 +27,7 @@ from cardan.border.measure import (
     SplineTravel,
     Stiffness,
     ToothRadius,
+    TubeLength,
     Turn,
 )  # fmt: skip
 from cardan.border.table import (
@@ -238,7 +239,7 @@ class ShaftTable(Table):
     yoke_inertia: Inertia | Annotated[tuple[float, float], _YOKES] = key(
         "of both yokes together, or [front, rear], about the axis", default=0.0
     )
-    tube_length: ShaftLength | None = key(
+    tube_length: TubeLength | None = key(
         "of the tube between its yokes; all the shaft's if left out", default=None
     )
     polar_inertia: Inertia | None = key(
