@@ -28,6 +28,7 @@ class Truth:
     gearbox_slope: float = np.radians(4.5)
     pinion_slope: float = np.radians(3.6)
     phases: tuple = (0.0, 0.0)
+    torsion: tuple = (0.0, 0.0)  # rad/(N m), of each shaft: its rear yoke stays behind
     over: float = 0.13  # m, from the bearing to joint 2
     vertical: float = 172.5e3  # N/m
     lateral: float = 85e3
@@ -111,7 +112,7 @@ def _pushed(angle, torque, x, joint, axes, d0, last, p1, p3, phases):
 
 @njit(cache=True)
 def _stepped(
-    turns, torque, speed, dt, joint, axes, d0, last, p1, p3, phases, M, K, C, U, heavy, once
+    turns, torque, speed, dt, joint, axes, d0, last, p1, p3, phases, soft, M, K, C, U, heavy, once
 ):
     """Joint 2's way (n, 2) m and speed: Newmark's average acceleration, the push as it stands."""
     n = turns.size
@@ -121,7 +122,8 @@ def _stepped(
     for i in range(n):
         angle = 2 * np.pi * turns[i]
         xp, vp = x + dt * v + dt * dt / 4 * a, v + dt / 2 * a
-        f = _pushed(angle, torque[i], xp, joint, axes, d0, last, p1, p3, phases)
+        twisted = phases - torque[i] * soft
+        f = _pushed(angle, torque[i], xp, joint, axes, d0, last, p1, p3, twisted)
         spin = U * (2 * np.pi * speed[i]) ** 2
         f[0] += spin * np.sin(angle + heavy) * once
         f[1] += spin * np.cos(angle + heavy) * once
@@ -164,8 +166,8 @@ def shaken(of: Truth, *, seconds=120.0, rate=500.0, inner=4, seed=0, drive=run_u
     upright = np.sqrt(K.diagonal() / M.diagonal())
     C = of.loss * np.diag(K.diagonal() / upright)
     X, V = _stepped(
-        turns, torque, speed, 1 / fine, p2, axes, d0, last, p1, p3, np.array(of.phases), M, K, C,
-        of.unbalance, of.heavy, 1.0,
+        turns, torque, speed, 1 / fine, p2, axes, d0, last, p1, p3, np.array(of.phases),
+        np.array(of.torsion), M, K, C, of.unbalance, of.heavy, 1.0,
     )  # fmt: skip
     local = X * K.diagonal() / lever + V * C.diagonal() / lever
     force = local @ axes

@@ -5,6 +5,8 @@ line is the one of its application file, with the rubber that is so. Its torque 
 a clutch brings them.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from shaken import LINE, Truth, shaken
@@ -37,18 +39,18 @@ def ramp(seconds: float, *, most: float = 2600.0, top: float = 12.0, ripple: flo
     return drive
 
 
-def line():
-    application = files.loads(TEXT)
+def line(text=TEXT):
+    application = files.loads(text)
     return respond(application, demand(resolve(application, application.lines[0])))
 
 
-def both(seconds, **asked):
+def both(seconds, *, truth=TRUTH, text=TEXT, **asked):
     """Force on the bearing as another hand has it, and ours: passing, and steadily."""
     rate, inner = 1000.0, 4
-    told = shaken(TRUTH, seconds=0.0, rate=rate, inner=inner, drive=ramp(seconds, **asked))
+    told = shaken(truth, seconds=0.0, rate=rate, inner=inner, drive=ramp(seconds, **asked))
     turns = told.turns - TRUTH.offset / (2 * np.pi)
     steady, passed = driven(
-        line(),
+        line(text),
         Driven(
             time=np.arange(turns.size) / rate,
             turned=2 * np.pi * turns,
@@ -77,3 +79,14 @@ def test_whoever_passes_slowly_gets_what_lasts():
     assert same.max() == pytest.approx(steady.max(), rel=0.01)
     assert 0.9 * same.max() < slow.max() <= 1.001 * same.max()
     assert quick.max() < 0.9 * slow.max()
+
+
+def test_a_line_that_passes_through_is_twisted_by_its_torque():
+    """As far as by 20 m of tube, 4 deg of each shaft: G J / L of a ring by hand."""
+    rigidity = 900e9 / 2.6 * np.pi / 32 * (0.1**4 - 0.094**4)
+    soft = TEXT.replace("      phase_deg: 0", "      tube_length_mm: 20000\n      phase_deg: 0")
+    assert soft.count("tube_length_mm") == 2
+    theirs, ours, _ = both(3.0, truth=replace(TRUTH, torsion=(20 / rigidity,) * 2), text=soft)
+    welded, *_ = both(3.0)
+    assert np.abs(ours - theirs).max() < 0.02 * theirs.max()
+    assert np.abs(welded - theirs).max() > 0.05 * theirs.max()
