@@ -39,8 +39,10 @@ UPDATE = bool(os.environ.get("UPDATE_GOLDEN"))
 BEARINGS = ("centre_bearing_static", "centre_bearing_dynamic", "centre_bearing_peak")
 FAILS = {
     "composite-van": set(),
-    "medium-truck-4x2": set(BEARINGS),
-    "mtv-6x6": set(),
+    "medium-truck-4x2": {
+        "angle_for_speed", "centre_bearing_dynamic", "centre_bearing_peak",
+    },
+    "mtv-6x6": {"centre_bearing_static", "centre_bearing_peak"},
     "pick-up-4x4": set(),
     "refuse-collector-6x2": {
         "clearance", "clearance_on_rubber", "torsional_acceleration", "inertia_coast_acceleration",
@@ -50,7 +52,7 @@ FAILS = {
     "three-joint-chain": set(),
     "van": set(),
     "vecto-4x2": set(),
-    "vecto-6x2": {"joint_torque_utilisation"},
+    "vecto-6x2": {"joint_torque_utilisation", "centre_bearing_static"},
 }  # fmt: skip
 """What each example fails, as the comment at its head tells the story."""
 

@@ -103,11 +103,11 @@ def test_over_speed_it_is_the_same_line(response):
     own = truck().bracket
     on = hung(response, own, GIVES)
     found = swept(on, 1)
-    assert found.state == "jounce"
+    assert found.state == "windup"
     assert set(found.directions) <= {"drive", "reverse", "brake"}
     size = np.abs(found.waves).sum(axis=-2)[..., 1]
     c, q = np.unravel_index(int(np.nan_to_num(size).argmax()), size.shape)
-    s = on.demand.states.index("jounce")
+    s = on.demand.states.index("windup")
     best = on.worst["dynamic"].running
     assert size[c, q] == pytest.approx(np.abs(best.waves[s, 1, :, 1]).sum(), rel=0.02)
     # Far below every mode the bracket is none to the line.

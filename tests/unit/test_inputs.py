@@ -26,7 +26,7 @@ axle: {ratio: 4}
 tyre: {static_radius_mm: 480, friction: 0.8}
 suspension:
   {spring: {load_N: [0, 20000, 60000], deflection_mm: [0, 60, 150]}, unsprung_mass_kg: 700,
-   linkage: {travel_mm: [-100, 0, 100], dx_mm: [1, 0, 2], pitch_deg: [1, 0, -1]}}
+   linkage: {travel_mm: [-100, 0, 100], dx_mm: [1, 0, 2], pitch_deg: [1, 0, -1]}, squat: false}
 torsion:
   {axle_inertia_kgm2: 5, axle_stiffness_Nm_rad: 20000, gearbox_inertia_kgm2: 0.1,
    gearbox_stiffness_Nm_rad: 30000, damping_ratio: 0.03}

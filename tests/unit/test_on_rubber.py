@@ -202,12 +202,12 @@ def truck():
     return assess(files.read(EXAMPLES / "medium-truck-4x2.yaml"))
 
 
-def test_a_limit_on_a_bearing_asks_where_first_gear_meets_the_mode(truck):
+def test_a_limit_on_a_bearing_asks_where_the_strongest_gear_meets_the_mode(truck):
     checks = [c for c in truck.checks if c.quantity == "centre_bearing_dynamic"]
     worst = min(checks, key=lambda c: c.margin)
     assert worst.grade == "fail"
     assert worst.point is not None
-    assert (worst.point.gear, worst.point.direction) == ("1", "drive")
+    assert (worst.point.gear, worst.point.direction) == ("R", "reverse")
     assert worst.point.speed / rpm == pytest.approx(276, abs=1)
     (response,) = truck.responses
     jounce = response.demand.states.index("jounce")
@@ -223,7 +223,7 @@ def of_losses(approval):
 
 def test_what_rests_on_an_assumed_loss_factor_is_said(truck):
     (note,) = of_losses(truck)
-    assert (note["bearing"], note["state"], note["factor"]) == (1, "full rebound", "0.1")
+    assert (note["bearing"], note["state"], note["factor"]) == (1, "jounce", "0.1")
     assert (note["low"], note["high"]) == ("0.05", "0.2")
     less, force, more = (float(note[key]) for key in ("more", "force", "less"))
     assert less > 1.8 * force > 3 * more
@@ -238,7 +238,7 @@ def test_what_rests_on_an_assumed_loss_factor_is_said(truck):
     again = assess(replace(given, lines=(line,)))
     assert of_losses(again) == []
     worst = again.responses[0].worst["dynamic"].running.dynamic.max()
-    assert worst == pytest.approx(less, rel=6e-3)  # at its own crest, hardly elsewhere
+    assert worst == pytest.approx(less, rel=0.012)  # at its own crest, hardly elsewhere
 
 
 def test_where_nobody_knows_the_speed_no_force_is_said_to_rest_on_a_loss_factor(truck):

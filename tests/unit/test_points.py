@@ -11,6 +11,7 @@ from cardan.base.errors import DesignError
 from cardan.base.units import deg, g, kNm, rpm
 from cardan.demand.points import Curves, curves, demand_at
 from cardan.demand.states import demand, resolve
+from cardan.demand.suspension import axle_path
 from cardan.demand.torque import brake_torques, from_standstill, reverse_gears
 from cardan.model.application import State
 from cardan.model.vehicle import Engine, Gearbox
@@ -22,6 +23,8 @@ TRUCK = files.loads(
     .replace("  reference: gvw\n", "  reference: gvw\n  brake_torque_Nm: 2000\n")
     .replace("  - windup\n", "  - windup\n  - windup brake\n")
 )
+HELD = replace(TRUCK, suspension=replace(TRUCK.suspension, squats=False))
+"""Its axle wound up by torque alone."""
 LADEN = 23000 * g * 3.548 / (4.8 - 0.8 * 0.6 * 1.5) * 0.6  # N, on driven wheels about to slip
 BACK = 23000 * g * 3.548 / (4.8 + 0.8 * 0.6 * 1.5) * 0.6  # as they hold back, or push astern
 GRIP = 0.8 * 0.48 / 4.88  # N m on the line per N, before losses
@@ -239,7 +242,7 @@ def test_without_an_engine_torque_and_speed_are_the_curve():
 
 def test_the_axle_winds_up_by_the_torque_of_its_point():
     """16 kN m/deg: 8303 N m of first gear turn it by 2.43 deg, coast and reverse back."""
-    of = asked()
+    of = asked(HELD)
     k, free = of.states.index("gvw"), at(of, "drive", "1", 0)
     pitch = 950 * 9.2 * 0.95 * 4.88 * 0.96 / STIFF
     assert pitch / deg == pytest.approx(2.431, abs=5e-4)
@@ -251,7 +254,7 @@ def test_the_axle_winds_up_by_the_torque_of_its_point():
     assert at(of, "reverse", "R", 0).pitch[0, k] == pytest.approx(-astern, rel=1e-12)
     held = 2000 + (350 * 9.2 / 0.95 + 1000) * 4.88 / 0.96
     assert at(of, "brake", "1", 0).pitch[0, k] == pytest.approx(-held / STIFF, rel=1e-12)
-    strong = asked(replace(TRUCK, suspension=replace(TRUCK.suspension, brake_torque=9e3)))
+    strong = asked(replace(HELD, suspension=replace(HELD.suspension, brake_torque=9e3)))
     braked = 0.6 * 23000 * g * (3.548 - 0.8 * 1.5) / 4.8  # every wheel at its limit
     expected = -0.8 * 0.48 * braked / STIFF
     assert at(strong, "brake", "1", 0).pitch[0, k] == pytest.approx(expected, rel=1e-12)
@@ -262,7 +265,15 @@ def test_springs_place_the_axle_as_in_its_state_and_torque_turns_it_there():
     k, found = of.states.index("jounce"), at(of, "drive", "1", 0)
     up = found.pitch[0, k] - of.pitch[k]
     assert up == pytest.approx(950 * 9.2 * 0.95 * 4.88 * 0.96 / STIFF, rel=1e-12)
-    np.testing.assert_array_equal(found.travel[0], of.travel)
+    squats = of.standing.squats
+    np.testing.assert_array_equal(found.travel[0, ~squats], of.travel[~squats])
+    line = of.standing.line
+    driven = squats & ~line.winds("windup") & ~line.winds("windup brake")
+    # Laden it squats; empty its link lifts it more than load transfer sets it down.
+    lies = of.states.index("gvw"), of.states.index("empty")
+    assert driven[list(lies)].all()
+    assert found.travel[0, lies[0]] > of.travel[lies[0]] + 0.01
+    assert found.travel[0, lies[1]] < of.travel[lies[1]]
     given = of.states.index("parked on a kerb")  # the file says its pitch
     assert found.pitch[0, given] == of.pitch[given]
 
@@ -275,6 +286,10 @@ def test_a_front_axle_winds_up_the_other_way_in_its_line():
     up = found.pitch[0] - of.pitch
     expected = -found.torque[0] * axle.ratio * axle.efficiency / line.suspension.windup_stiffness
     free = ~line.winds("windup") & ~line.winds("windup brake") & of.standing.yields
+    # Load goes to the rear: it rises, and its link pitches it.
+    assert (found.travel[0] < of.travel)[free & of.standing.squats].any()
+    paths = [axle_path(line.suspension.linkage, t)[1] for t in (found.travel[0], of.travel)]
+    expected += paths[0] - paths[1]
     assert free.any()
     np.testing.assert_allclose(up[free], expected[free], rtol=1e-9)
 
@@ -302,13 +317,13 @@ def test_where_there_is_no_point_the_line_lies_as_in_its_state():
 def test_an_axle_of_unknown_stiffness_stays_where_its_state_has_it():
     soft = replace(
         TRUCK,
-        suspension=replace(TRUCK.suspension, windup_stiffness=None),
+        suspension=replace(HELD.suspension, windup_stiffness=None),
         states=tuple(s for s in TRUCK.states if "windup" not in s.name),
     )
     of = asked(soft)
     found = at(of, "drive", "1", 0)
     np.testing.assert_array_equal(found.layout.points[0], of.layout.points)
-    assert (found.torque > 0).all()
+    assert (found.torque > 0)[:, 1:].all()  # fully rebound it hangs, and holds none
 
 
 def test_a_joint_that_locks_is_refused_with_its_point():

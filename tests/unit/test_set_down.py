@@ -68,7 +68,7 @@ def sprung(r: Response, laid: np.ndarray, ends: np.ndarray, torque: float) -> np
 
 
 def test_angles_are_those_of_a_line_on_springs(collector):
-    """At a crawl in first gear: what rubber adds to angles, up to 0.19 deg, to 0.007 deg.
+    """At a crawl in first gear: what rubber adds to angles, up to 0.19 deg, to 0.008 deg.
 
     The rest is what small motions leave out.
     """
@@ -81,7 +81,7 @@ def test_angles_are_those_of_a_line_on_springs(collector):
         before = joint_angles(hung.directions[0, s])
         oracle = sprung(r, hung.points[0, s], hung.directions[0, s], of.torque[0, s])
         found = joint_angles(given.directions[0, s])
-        assert np.degrees(found - oracle) == pytest.approx(0, abs=0.007), r.demand.states[s]
+        assert np.degrees(found - oracle) == pytest.approx(0, abs=0.008), r.demand.states[s]
         added.append(np.degrees(oracle - before))
     assert np.max(added) == pytest.approx(0.179, abs=0.005)
 

@@ -21,7 +21,7 @@ def line(name: str, *, stiff: bool = False, straight: bool = False) -> Response:
     """A line of an example; an axle that no torque winds up, shafts that none twists."""
     application = files.read(EXAMPLES / f"{name}.yaml")
     if stiff:
-        suspension = replace(application.suspension, windup_stiffness=1e12)
+        suspension = replace(application.suspension, windup_stiffness=1e12, squats=False)
         application = replace(application, suspension=suspension)
     installed = next(i for i in application.lines if i.line.joint_count > 2)
     if straight:
@@ -46,7 +46,7 @@ def both(r: Response, count: int = 60):
 
 @pytest.mark.parametrize("name", ["refuse-collector-6x2", "medium-truck-4x2", "tandem-6x4"])
 def test_it_differs_by_what_a_parabola_leaves_out(name):
-    """Wind-up is 4 deg at most, half of that from the middle: (0.035 rad)^3 of a few.
+    """Wind-up and squat are 8 deg at most, half of that from the middle: (0.07 rad)^3 of a dozen.
 
     And where torque is half the largest, 3/8 of twice its twist squared: (0.05 rad)^2.
     """
@@ -54,7 +54,7 @@ def test_it_differs_by_what_a_parabola_leaves_out(name):
     for force in points.FORCES:
         near, right = (getattr(of, force) for of in (sketched, whole))
         assert (np.isnan(near) == np.isnan(right)).all()
-        assert np.nanmax(np.abs(near - right)) < 1e-3 * np.nanmax(right)
+        assert np.nanmax(np.abs(near - right)) < 5e-3 * np.nanmax(right)
 
 
 def test_nothing_is_left_out_where_nothing_winds_up():
@@ -75,7 +75,8 @@ def test_points_of_many_variants_are_those_of_few(monkeypatch):
     curve[30:], speed[30:] = curve[:20], speed[:20]  # some come again
     drawn, at = r.tries.drawn, placed(found, curve=curve, speed=speed)
     assert np.isnan(at.torque[:, 0, 0]).any()
-    given = {"speed": at.sense * at.speed, "pitch": points.pitch_at(r.demand, at)}
+    given = {"speed": at.sense * at.speed, "on_axle": points.on_axle_at(r.demand, at)}
+    given["travel"] = np.broadcast_to(points.ride_at(r.demand, at).shift[..., 2], at.torque.shape)
     given |= {"torque": at.torque, "slip": r.slip_at(at.torque)}
     computed, some = [], Sketch._some
     monkeypatch.setattr(

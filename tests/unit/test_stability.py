@@ -518,7 +518,7 @@ def test_a_plane_line_backs_as_it_drives():
     given = files.read(EXAMPLES / "medium-truck-4x2.yaml")
     ratio = given.gearbox.reverse_ratio
     gearbox = replace(given.gearbox, ratios=(ratio, *given.gearbox.ratios[1:]))
-    firm = replace(given.suspension, windup_stiffness=1e12)
+    firm = replace(given.suspension, windup_stiffness=1e12, squats=False)
     low = replace(
         given.vehicle, loads=tuple(replace(x, cg_height=1e-6) for x in given.vehicle.loads)
     )
@@ -600,7 +600,7 @@ def test_a_rigid_bearing_backs_with_its_axle_wound_up_the_other_way():
             for k in (-1, 1)
         )
     )
-    assert found.bearing_force[first, 0] == pytest.approx(back, rel=0.04)  # speed counts little
+    assert found.bearing_force[first, 0] == pytest.approx(back, rel=0.06)  # speed counts little
     assert abs(ahead / back - 1) > 0.1
 
 

@@ -79,7 +79,8 @@ def test_each_rating_answers_its_own_limit(truck, size, answered, missed, needs)
     (installed,) = truck.lines
     line = replace(installed.line, joints=(size,) * installed.line.joint_count)
     found = assess(replace(only(truck, *limits), lines=(replace(installed, line=line),)))
-    everywhere = len(truck.states) * line.joint_count
+    carries = [s for s in truck.states if s.kind != "full rebound"]  # there the axle hangs
+    everywhere = len(carries) * line.joint_count
     assert [c.quantity for c in found.checks] == [f"joint_{answered}_utilisation"] * everywhere
     unanswered = found.coverage.unanswered
     assert [u.quantity for u in unanswered] == [f"joint_{missed}_utilisation"] * everywhere
@@ -104,7 +105,7 @@ def test_a_joint_is_sized_by_a_state_that_carries_more_than_the_engine_gives(tru
     line = replace(installed.line, joints=(rated,) * installed.line.joint_count)
     limit = Limit(quantity="joint_torque_utilisation", maximum=1.0, source=HOUSE, points="own")
     truck = replace(only(truck, limit), lines=(replace(installed, line=line),))
-    first, *others = truck.states
+    _, first, *others = truck.states  # the axle that hangs carries nothing
     engine = demand(resolve(truck, truck.lines[0])).engine_torque[0]
 
     def used(torque: float | None) -> list[float]:
@@ -549,7 +550,11 @@ def test_what_would_help_tells_what_it_spoils():
             half = replace(moved, amount=moved.amount / 2)
             if spoilt and abs(moved.amount) == step and e.adjustable.what != "phase":
                 still, less = answers(half, s)
-                assert still or not less or less.margin - s.check.margin < -0.05 * s.check.margin
+                worth = less and less.margin - s.check.margin >= -0.05 * s.check.margin
+                back = [v for a, v in e.ways if a != moved.amount]  # the other way may do more
+                best = max(float(s.check.limit.margin(v, to="normal")) for v in back)
+                mine = less and float(s.check.limit.margin(less.value, to="normal"))
+                assert still or not worth or best > mine
             if e.spoilt is None:
                 assert not spoilt, (s.check.quantity, moved)
             else:

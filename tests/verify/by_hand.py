@@ -681,6 +681,24 @@ def loads_on(truck, line, state):
     drive = group(*load_at_slip(truck, load, truck.friction, *shares))
     coast = group(*load_at_slip(truck, load, -truck.friction, *shares))
     on_air = sum(a for a, _ in load.auxiliary)
+    height = load.height / truck.wheelbase
+    pulls, drags = (
+        k * truck.friction * (load_at_slip(truck, load, k * truck.friction, *shares) @ shares)
+        for k in (1, -1)
+    )
+    all_brake = -truck.friction * (
+        sum(load_at_slip(truck, load, -truck.friction, 1.0, 1.0, on_air=on_air)) + on_air
+    )
+    # What a newton moves onto this line's axle: off the front, onto the rear group.
+    onto = group(-height, height) / axles
+    if line.drives != "all" and state.kind in ("full rebound", "rebound", "jounce"):
+        springs = truck.springs[line.springs]
+        there = through(deflection(springs, state.kind, nan), springs.deflections, springs.loads)
+        tyres = max(springs.per_axle * there + springs.unsprung * g, 0.0)
+        tyres = tyres if tyres > 1e-6 else 0.0  # it hangs, but for rounding
+        behind = line.load_share * axles * tyres
+        rest = line.load_share * still  # J3311 asks for the load state's
+        return {"axle": tyres, "brake": tyres, "rest": rest, "drive": behind, "coast": behind}
     brake = group(*load_at_slip(truck, load, -truck.friction, 1.0, 1.0, on_air=on_air))
     return {
         "axle": still / axles,
@@ -688,6 +706,7 @@ def loads_on(truck, line, state):
         "drive": line.load_share * drive,
         "coast": line.load_share * coast,
         "brake": brake / axles,
+        "onto": {"drive": onto * pulls, "coast": onto * drags, "brake": onto * all_brake},
     }
 
 
@@ -787,28 +806,66 @@ def axle_motion(truck, line, state, load, torque):
         )
     else:
         rise = 0.0 if isnan(state.travel) else state.travel
-    if springs.table:
-        rises, ways, turns = springs.table
-        rearward = through(rise, rises, ways) - through(0, rises, ways)
-        pitch = through(rise, rises, turns) - through(0, rises, turns)
-    else:
-        # The link's pivot is ahead of the axle: as the axle rises the link turns about it.
-        angle = asin(sin(springs.link_angle) - rise / springs.link)
-        rearward = springs.link * (cos(angle) - cos(springs.link_angle))
-        pitch = springs.pitch_rate * rise
     through_axle = line.axle_ratio / line.axles_behind
+    housing = 0.0
     if state.kind == "windup":
         # The wheels push the ground back; the housing turns a nose that faces ahead up.
-        pitch += (
-            line.ahead * torque["torque"] * through_axle * line.axle_efficiency / springs.windup
-        )
+        housing = torque["torque"] * through_axle * line.axle_efficiency
+        moved = load["onto"]["drive"] * torque["torque"] / torque["slip"]
     if state.kind == "windup brake":
         held = springs.brake - torque["torque"] * through_axle / line.axle_efficiency
         grip = truck.friction * truck.static_radius * load["brake"]
-        pitch -= line.ahead * (min(held, grip) if springs.brake else grip) / springs.windup
+        housing = -(min(held, grip) if springs.brake else grip)
+        moved = load["onto"]["brake"] * -housing / grip
+    if housing and isnan(state.pitch):
+        rise += squat(springs, line.ahead, rise, load["axle"], moved, housing, truck.static_radius)
+    rearward, pitch = led(springs, rise)
+    pitch += line.ahead * housing / springs.windup if housing else 0.0
     if not isnan(state.pitch):
         pitch = state.pitch
     return rise, rearward, pitch
+
+
+def led(springs, rise):
+    """Rearward way and pitch of an axle that has risen."""
+    if springs.table:
+        rises, ways, turns = springs.table
+        rearward = through(rise, rises, ways) - through(0, rises, ways)
+        return rearward, through(rise, rises, turns) - through(0, rises, turns)
+    # The link's pivot is ahead of the axle: as the axle rises the link turns about it.
+    angle = asin(sin(springs.link_angle) - rise / springs.link)
+    return springs.link * (cos(angle) - cos(springs.link_angle)), springs.pitch_rate * rise
+
+
+def squat(springs, ahead, rise, axle_load, moved, housing, radius):
+    """How far the axle rises until no more work is done on it: halving, between the stops.
+
+    A little further up, the springs take work; the load moved onto the axle does some, and so
+    does the tyre's force, where tyre and ground meet: as the axle goes and as it pitches, wheels
+    locked to it by a driveline that stands.
+    """
+    at_rest = through(spring_load(springs, axle_load), springs.loads, springs.deflections)
+    force = housing / radius
+
+    def left(up):
+        there = through(at_rest + up, springs.deflections, springs.loads)
+        taken = springs.per_axle * there - (axle_load - springs.unsprung * g)
+        if springs.table:  # straight from row to row: about a millimetre each way
+            step = 1e-3
+            before, after = (led(springs, rise + up + k * step) for k in (-1, 1))
+            slope, turn = ((b - a) / (2 * step) for a, b in zip(before, after, strict=True))
+        else:
+            slope = tan(asin(sin(springs.link_angle) - (rise + up) / springs.link))
+            turn = springs.pitch_rate
+        at_ground = force * (-slope + ahead * radius * turn)
+        return moved + at_ground - taken
+
+    low = min(springs.full_rebound - at_rest, 0.0)
+    high = max(springs.jounce - at_rest, 0.0)
+    for _ in range(80):
+        middle = (low + high) / 2
+        low, high = (middle, high) if left(middle) > 0 else (low, middle)
+    return (low + high) / 2
 
 
 # --------------------------------------------------------------------------- 4  where the line runs
@@ -1292,7 +1349,7 @@ def line_whirl(line, pieces=24):
         if forward < 0.01:
             continue  # backward: unbalance does not excite it
         speed = 1 / sqrt(value)
-        if in_rubber < 0.5:
+        if in_rubber < 0.9:
             bends = min(bends, speed)
         elif RIGID not in [s.rubber for s in line.shafts]:
             bounces = min(bounces, speed)

@@ -166,6 +166,9 @@ class LineLoads:
         as it holds them back.
     braked : (...) N
         On its axle, with every wheel of the vehicle braked to its limit.
+    drawn, drawn_back, drawn_braked : (...) N
+        What that has moved onto its axle, in traction, coast and braking; nan where nobody
+        says how high the centre of gravity is.
     """
 
     axle: FloatArray
@@ -173,6 +176,9 @@ class LineLoads:
     traction: FloatArray
     coast: FloatArray
     braked: FloatArray
+    drawn: FloatArray
+    drawn_back: FloatArray
+    drawn_braked: FloatArray
 
 
 def line_loads(
@@ -231,12 +237,19 @@ def line_loads(
         )
         return driven(loads)
 
+    traction, coast = (limit(k * mu, driven_front, driven_rear) for k in (1, -1))
+    braked = limit(-mu, 1.0, 1.0, 1.0)
+    known = np.nan if load.cg_height is None else 1.0
+    drawn = [known * (there - driven(slope)) / axles for there in (traction, coast, braked)]
     return LineLoads(
         axle=driven(level) / axles,
         rest=part * driven(level),
-        traction=part * limit(mu, driven_front, driven_rear),
-        coast=part * limit(-mu, driven_front, driven_rear),
-        braked=limit(-mu, 1.0, 1.0, 1.0) / axles,
+        traction=part * traction,
+        coast=part * coast,
+        braked=braked / axles,
+        drawn=drawn[0],
+        drawn_back=drawn[1],
+        drawn_braked=drawn[2],
     )
 
 

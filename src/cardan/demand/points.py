@@ -18,7 +18,8 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, IntArray, own, stacked, steps
 from cardan.base.frozen import dataclass
 from cardan.demand.line import ResolvedLine
-from cardan.demand.states import Demand, demand_under, pitch_under, said_speed
+from cardan.demand.motion import Ride
+from cardan.demand.states import Demand, demand_under, on_axle_under, ride_under, said_speed
 from cardan.demand.torque import Gears, brake_torques, from_standstill
 
 Direction: TypeAlias = Literal["drive", "coast", "reverse", "brake"]
@@ -189,9 +190,15 @@ def demand_at(asked: Demand, found: Curves, *, curve: ArrayLike, speed: ArrayLik
     )  # fmt: skip
 
 
-def pitch_at(asked: Demand, at: Placed) -> FloatArray:
-    """Return how the axle rides at points of a line's curves, (P, ..., S) rad."""
-    return pitch_under(asked, at.torque, coasts=at.turns("coast"), brakes=at.turns("brake"))
+def ride_at(asked: Demand, at: Placed) -> Ride:
+    """Return how the axle rides at points of a line's curves, (P, ..., S)."""
+    return ride_under(asked, at.torque, coasts=at.turns("coast"), brakes=at.turns("brake"))
+
+
+def on_axle_at(asked: Demand, at: Placed) -> FloatArray:
+    """Return the torque on the axle's housing there, (P, ..., S) N m; 0 where nobody knows it."""
+    brakes, coasts = at.turns("brake"), at.turns("coast")
+    return np.nan_to_num(on_axle_under(asked, at.torque, coasts=coasts, brakes=brakes))
 
 
 def _torque(

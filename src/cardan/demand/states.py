@@ -17,7 +17,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, apart, stacked
 from cardan.base.errors import DesignError, about
 from cardan.base.frozen import dataclass
-from cardan.base.units import Metre
+from cardan.base.units import Metre, g
 from cardan.demand.axles import LineLoads, axle_by_axle, driven_axles, line_loads
 from cardan.demand.line import Loading, ResolvedLine, height, resolve
 from cardan.demand.motion import Ride, moved
@@ -27,6 +27,8 @@ from cardan.demand.suspension import (
     carried,
     deflection,
     natural_frequency,
+    squat,
+    tyre_load,
     windup,
 )
 from cardan.demand.torque import (
@@ -39,54 +41,119 @@ from cardan.demand.torque import (
 )
 from cardan.model.application import Installed, State
 from cardan.model.layout import Layout
-from cardan.model.vehicle import Linkage
+from cardan.model.vehicle import Linkage, SuspensionState
 
 __all__ = [
     "Demand",
     "ResolvedLine",
     "Standing",
     "demand",
-    "demand_pitched",
+    "demand_ridden",
     "demand_under",
     "each_axle_load",
     "moved",
-    "pitch_under",
+    "on_axle_under",
     "resolve",
+    "ride_under",
     "said_speed",
 ]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Standing:
-    """A line in its states before any torque winds its axle up: what all its points share.
+    """A line in its states before any torque moves its axle: what all its points share.
 
     Attributes
     ----------
     line
         The line.
-    braked : (..., S) N
-        Load on its axle with every wheel of the vehicle braked to its limit.
+    loads : (..., S) N
+        What it feels of the vehicle's weight.
     ride : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
         Where the springs have the axle.
     yields : (S,)
         Where torque winds it up: the suspension places it, and nobody gives its pitch.
-    slip_back, slip_reverse : (..., S) N m
-        Torques at which the wheels slip as the line holds them back, and drives them in
-        reverse; nan where nobody knows.
+    squats : (S,)
+        Where what the tyres pull moves it on its springs: these hold it, and nothing else does.
+    slip, slip_back, slip_reverse : (..., S) N m
+        Torques at which the wheels slip as the line drives them, holds them back, and drives
+        them in reverse; nan where nobody knows.
     """
 
     line: ResolvedLine
-    braked: FloatArray
+    loads: LineLoads
     ride: Ride
     yields: BoolArray
+    squats: BoolArray
+    slip: FloatArray
     slip_back: FloatArray
     slip_reverse: FloatArray
 
-    def wound(self, pitch: ArrayLike) -> Ride:
-        """Return the ride with the axle wound up by (...) rad about the vehicle's y."""
-        return replace(
-            self.ride, pitch=np.asarray(self.ride.pitch) + self.line.ahead * np.asarray(pitch)
+    def under(
+        self, torque: FloatArray, *, coasts: ArrayLike = False, brakes: ArrayLike = False
+    ) -> Ride:
+        """Return the ride under torques of the line (..., S) N m, as `demand_under` has it.
+
+        Where nobody knows what one does the axle stays.
+        """
+        on_axle = _on_axle(
+            self.line, torque, braked=self.loads.braked, coasts=coasts, brakes=brakes
         )
+        travel = np.asarray(self.ride.shift)[..., 2]
+        if self.squats.any():
+            travel = self._squatting(torque, on_axle, coasts=coasts, brakes=brakes)
+        return self.at(on_axle, travel)
+
+    def at(self, on_axle: FloatArray, travel: FloatArray) -> Ride:
+        """Return the ride with torques on the axle's housing (..., S) N m, risen to (..., S) m."""
+        ride = self.ride
+        if self.squats.any():
+            assert self.line.suspension is not None
+            dx, pitch = axle_path(self.line.suspension.linkage, travel)
+            moved = stacked((self.line.ahead * dx, 0.0, travel))
+            ride = replace(
+                ride,
+                shift=np.where(self.squats[..., None], moved, ride.shift),
+                pitch=np.where(self.squats, pitch, ride.pitch),
+            )
+        wound = np.asarray(ride.pitch) + self.line.ahead * np.asarray(_pitch(self.line, on_axle))
+        stays = ~self.yields | np.isnan(wound)
+        return replace(ride, pitch=np.where(stays, ride.pitch, wound))
+
+    def _squatting(
+        self, torque: FloatArray, on_axle: FloatArray, *, coasts: ArrayLike, brakes: ArrayLike
+    ) -> FloatArray:
+        """Return how high the axle is (..., S) m as springs hold what the tyres pull."""
+        line, loads = self.line, self.loads
+        assert line.suspension is not None
+        assert line.tyre is not None  # or it squats nowhere
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.select(
+                [np.broadcast_to(brakes, torque.shape), np.broadcast_to(coasts, torque.shape)],
+                [
+                    -on_axle / (line.tyre.friction * line.tyre.static_radius * loads.braked)
+                    * loads.drawn_braked,
+                    -torque / self.slip_back * loads.drawn_back,
+                ],
+                np.where(
+                    torque < 0,
+                    -torque / self.slip_reverse * loads.drawn_back,
+                    torque / self.slip * loads.drawn,
+                ),
+            )  # fmt: skip
+        known = self.squats & np.isfinite(share) & np.isfinite(on_axle)
+        pulled = np.where(known, on_axle, 0.0)
+        rest = np.asarray(self.ride.shift)[..., 2]
+        risen = squat(
+            line.suspension,
+            rest,
+            axle_load=np.where(self.squats, loads.axle, line.suspension.unsprung_mass * g),
+            drawn=np.where(known, share, 0.0),
+            force=pulled / line.tyre.static_radius,
+            torque=pulled,
+            ahead=line.ahead,
+        )
+        return rest + np.where(known, risen, 0.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -194,20 +261,23 @@ def demand(line: ResolvedLine) -> Demand:
 
     Notes
     -----
-    Static loads on level ground place the axle; wind-up turns it where it is then. Source:
-    Souza (2014), sections 2.3 and 2.4.
+    Static loads on level ground place the axle; wind-up turns it where it is then. Where travel
+    ends the spring says what the tyres carry, and so what they hold. Source: Souza (2014),
+    sections 2.3 and 2.4; the loads where travel ends are derived.
     """
     each = _each_loading(line)
-    loads = _of_states(each[loading.key] for loading in line.loadings)
-    torques = _torques(line, loads)
     travel = _travel(line, {key: found.axle for key, found in each.items()})
+    loads = _at_limits(line, _of_states(each[loading.key] for loading in line.loadings))
+    torques = _torques(line, loads)
     standing = _standing(line, travel, loads)
-    ride = standing.wound(_own_windup(standing, torques["torque"]))
+    ride = _own_windup(standing, torques["torque"])
     given, installed = _given(line), line.installed
     asked = torques | {
         "speed": _speed(line),
         "sense": np.ones(()),
-        "travel": np.where(line.free, travel, _rise(given) - _rise(installed.layout)),
+        "travel": np.where(
+            line.free, np.asarray(ride.shift)[..., 2], _rise(given) - _rise(installed.layout)
+        ),
         "axle_load": loads.axle,
         "driven_load": loads.traction,
         "suspension_frequency": _frequency(line, loads),
@@ -225,7 +295,7 @@ def demand_under(
     brakes: ArrayLike = False,
     named: Callable[[tuple[int, ...]], str] = str,
 ) -> Demand:
-    """Return what a line has to bear at P points, its axle wound up by each point's torque.
+    """Return what a line has to bear at P points, its axle moved by each point's torque.
 
     Parameters
     ----------
@@ -254,12 +324,13 @@ def demand_under(
     Notes
     -----
     The axle pitches by its torque over `windup_stiffness`, in any state in which the
-    suspension places it and nobody gives its pitch; without a stiffness it stays.
+    suspension places it and nobody gives its pitch; without a stiffness it stays. Where
+    springs hold it, it squats by what its tyres pull (`cardan.demand.suspension.squat`).
     """
     T = np.asarray(torque, dtype=float)
-    return demand_pitched(
+    return demand_ridden(
         asked,
-        pitch_under(asked, T, coasts=coasts, brakes=brakes),
+        ride_under(asked, T, coasts=coasts, brakes=brakes),
         torque=T,
         speed=np.where(np.isnan(T), np.nan, speed),
         sense=sense,
@@ -267,38 +338,49 @@ def demand_under(
     )
 
 
-def pitch_under(
+def ride_under(
+    asked: Demand, torque: FloatArray, *, coasts: ArrayLike = False, brakes: ArrayLike = False
+) -> Ride:
+    """Return how the axle rides under torques of its own (P, ..., S), as `demand_under`."""
+    found = asked.standing.under(torque, coasts=coasts, brakes=brakes)
+    none, own = np.isnan(torque), asked.ride
+    return replace(
+        found,
+        pitch=np.where(none, own.pitch, found.pitch),
+        shift=np.where(none[..., None], own.shift, found.shift)
+        if asked.standing.squats.any() else own.shift,
+    )  # fmt: skip
+
+
+def on_axle_under(
     asked: Demand, torque: FloatArray, *, coasts: ArrayLike = False, brakes: ArrayLike = False
 ) -> FloatArray:
-    """Return how the axle rides under torques of its own, (P, ..., S) rad, as `demand_under`."""
-    standing = asked.standing
-    turned = _on_axle(standing.line, torque, braked=standing.braked, coasts=coasts, brakes=brakes)
-    pitch = np.where(np.isnan(torque) | np.isnan(turned), np.nan, _pitch(standing.line, turned))
-    wound = np.asarray(standing.wound(pitch).pitch)
-    stays = ~standing.yields | np.isnan(wound)
-    return np.where(stays, asked.ride.pitch, wound)
+    """Return the torque on the axle's housing, (P, ..., S) N m; nan where nobody knows it."""
+    of = asked.standing
+    return _on_axle(of.line, torque, braked=of.loads.braked, coasts=coasts, brakes=brakes)
 
 
-def demand_pitched(
+def demand_ridden(
     asked: Demand,
-    pitch: FloatArray,
+    ride: Ride,
     *,
     torque: FloatArray,
     speed: FloatArray,
     sense: ArrayLike = 1.0,
     named: Callable[[tuple[int, ...]], str] = str,
 ) -> Demand:
-    """Return the demand of a torque and a speed with the axle ridden to a pitch, (P, ..., S).
+    """Return the demand of a torque and a speed with the axle ridden somewhere, (P, ..., S).
 
-    See `demand_under`, which knows what pitch a torque makes.
+    See `demand_under`, which knows where a torque has it.
     """
     same = (
         "engine_torque", "slip_torque", "coast_torque", "low_gear_torque", "wheel_slip_torque",
-        "travel", "axle_load", "driven_load", "suspension_frequency",
+        "axle_load", "driven_load", "suspension_frequency",
     )  # fmt: skip
     numbers = {name: getattr(asked, name) for name in same}
     numbers |= {"torque": torque, "speed": speed, "sense": np.asarray(sense, dtype=float)}
-    ride = replace(asked.standing.ride, pitch=pitch)
+    risen = np.asarray(ride.shift)[..., 2] - np.asarray(asked.ride.shift)[..., 2]
+    numbers["travel"] = asked.travel + risen
     return _demand(asked.standing, asked.given, ride, numbers, named=named)
 
 
@@ -430,6 +512,32 @@ def _of_states(each: Iterable[LineLoads]) -> LineLoads:
     return LineLoads(
         **{f.name: _by_state(getattr(o, f.name) for o in loads) for f in fields(LineLoads)}
     )
+
+
+def _at_limits(line: ResolvedLine, loads: LineLoads) -> LineLoads:
+    """Return the loads (..., S), in states where travel ends those that the springs carry there.
+
+    Whatever brought the axle there, traction too, is in them. What a bump stop bears beside the
+    spring nobody knows. A load that a state names is what it has.
+    """
+    suspension, vehicle = line.suspension, line.vehicle
+    if suspension is None or vehicle is None:
+        return loads
+    kinds: list[SuspensionState | None] = [
+        s.kind if free and s.kind in AT_LIMIT and s.load is None and s.travel is None else None
+        for s, free in zip(line.states, line.free, strict=True)
+    ]
+    if not any(kinds):
+        return loads
+    drives, part = line.installed.drives, line.installed.load_share
+    behind = np.asarray(part) * driven_axles(vehicle, drives=drives)
+    borne = _by_state(np.nan if k is None else tyre_load(suspension, k) for k in kinds)
+    held = np.array([k is not None for k in kinds])
+    changed = {name: np.where(held, borne, getattr(loads, name)) for name in ("axle", "braked")}
+    changed |= {
+        name: np.where(held, behind * borne, getattr(loads, name)) for name in ("traction", "coast")
+    }
+    return replace(loads, **changed)
 
 
 # --------------------------------------------------------------------------- torque and speed
@@ -575,10 +683,14 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
     turned = _by_state(s.pitch if f else 0.0 for s, f in zip(states, free, strict=True))
     yields = free & np.array([s.pitch is None for s in states])
     x, z = line.axle.pinion_joint if line.axle else (0.0, 0.0)
-    _, slip_back, slip_reverse = _slips(line, loads)
+    slip, slip_back, slip_reverse = _slips(line, loads)
+    held = np.array([
+        s.kind is not None and s.kind not in AT_LIMIT and s.travel is None for s in states
+    ])  # fmt: skip
+    moves = line.tyre is not None and line.suspension is not None and line.suspension.squats
     return Standing(
         line=line,
-        braked=loads.braked,
+        loads=loads,
         ride=Ride(
             shift=stacked((line.ahead * dx, 0.0, travel)),
             pitch=np.where(yields, pitch, turned),  # the pinion's nose up, whichever way it faces
@@ -586,13 +698,15 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
             lead=_by_state(2 * a for a in _rocked(line)),
         ),
         yields=yields,
+        squats=yields & held & moves,
+        slip=slip,
         slip_back=slip_back,
         slip_reverse=slip_reverse,
     )
 
 
-def _own_windup(standing: Standing, torque: FloatArray) -> FloatArray:
-    """Wind-up of the axle, (..., S) rad about the vehicle's y, in states that are wind-up.
+def _own_windup(standing: Standing, torque: FloatArray) -> Ride:
+    """Return the ride of a line in its states, its axle moved by torque in those of wind-up.
 
     Raises
     ------
@@ -601,9 +715,10 @@ def _own_windup(standing: Standing, torque: FloatArray) -> FloatArray:
     """
     line = standing.line
     driven, braking = (line.winds(k) & standing.yields for k in ("windup", "windup brake"))
-    if not (driven | braking).any():
-        return np.zeros(driven.shape)
-    on_axle = _on_axle(line, torque, braked=standing.braked, brakes=~driven)
+    winds = driven | braking
+    if not winds.any():
+        return standing.ride
+    on_axle = _on_axle(line, torque, braked=standing.loads.braked, brakes=~driven)
     pitch = _pitch(line, on_axle)
     for k in np.flatnonzero(driven | braking):
         if np.isnan(pitch[..., k]).any():
@@ -612,7 +727,12 @@ def _own_windup(standing: Standing, torque: FloatArray) -> FloatArray:
                 "the axle's ratio and a torque (traction) or brake_torque (brake); or a pitch"
             )
             raise DesignError(msg, about=f"states[{k + 1}]")
-    return np.where(driven | braking, pitch, 0.0)
+    found, own = standing.under(torque, brakes=~driven), standing.ride
+    return replace(
+        own,
+        pitch=np.where(winds, found.pitch, own.pitch),
+        shift=np.where(winds[..., None], found.shift, own.shift),
+    )
 
 
 def _on_axle(

@@ -20,6 +20,10 @@ COMFORT = (1.0, 1.3)
 OVERLOAD = 1.1
 """Load of the overload state over the axle's rating. Source: Souza (2014), figure 13."""
 
+SETTLING = 14
+"""Steps in which an axle finds where its springs hold what pulls: of a link of 0.5 m on leaf
+springs each is a fifth of the last, and the last one 1e-12 m."""
+
 AT_LIMIT = ("full rebound", "rebound", "jounce")
 """States in which the spring's travel, not the axle's load, says where the axle is."""
 
@@ -138,6 +142,19 @@ def deflection(
     return spring_deflection(spring, carried(suspension, axle_load))
 
 
+def tyre_load(suspension: Suspension, state: SuspensionState) -> FloatArray:
+    """Return what the tyres of an axle carry in a state `AT_LIMIT`, (...) N; none pulls.
+
+    What its springs bear there, and its own weight. At a bump stop it may be more.
+    """
+    springs = suspension.springs_per_axle * spring_load(
+        suspension.spring, deflection(suspension, state)
+    )
+    weight = suspension.unsprung_mass * g
+    borne = springs + weight
+    return np.where(borne > 1e-9 * weight, borne, 0.0)  # what hangs has rounding alone
+
+
 def leaf_link(front_half: float, *, camber: float = 0.0, pitch_rate: float = 0.0) -> Linkage:
     """Return the link that guides an axle as the front half of a leaf spring does.
 
@@ -203,6 +220,72 @@ def axle_path(linkage: Linkage, travel: ArrayLike) -> tuple[FloatArray, FloatArr
         )
         raise DesignError(msg, about="linkage")
     return linkage.radius * (np.sqrt(1 - sine**2) - np.cos(linkage.angle)), pitch
+
+
+def squat(
+    suspension: Suspension,
+    travel: ArrayLike,
+    *,
+    axle_load: ArrayLike,
+    drawn: ArrayLike,
+    force: ArrayLike,
+    torque: ArrayLike,
+    ahead: float = 1.0,
+) -> FloatArray:
+    r"""Return how much further an axle rises towards the frame as its tyres pull, (...) m.
+
+    The springs carry what the force moves onto the axle, and what it and its torque do along
+    the axle's path: n (S(d + z) - S(d)) = N - F x'(z) + M φ'(z), with x and φ of `axle_path`.
+
+    Parameters
+    ----------
+    suspension
+        Springs, stops, and the path.
+    travel : (...) m
+        Where the axle's load at rest has it.
+    axle_load, drawn : (...) N
+        That load, and what the force moves onto the axle, N.
+    force : (...) N
+        With which its tyres push the vehicle ahead, F.
+    torque : (...) N m
+        On its housing, as `windup` has it, M.
+    ahead
+        -1 of a pinion that faces rearward: its nose sinks where others rise.
+
+    Notes
+    -----
+    Quasi-static. The gears lock the wheels to the housing while the driveline stands still, so
+    F works where the tyre meets the ground: as F at the wheel's centre and M = F r. Between the
+    stops; a state whose load is beyond one stays there. Derived by virtual work; load transfer
+    as in Gillespie, Fundamentals of Vehicle Dynamics (1992), ch. 7 (anti-squat).
+    """
+    z0, at_rest = np.asarray(travel, dtype=float), np.asarray(axle_load, dtype=float)
+    each = suspension.springs_per_axle
+    borne = carried(suspension, at_rest)
+    moved, pulls, turns = (np.asarray(v, dtype=float) for v in (drawn, force, torque))
+    start = spring_deflection(suspension.spring, borne)
+    lowest = np.minimum(deflection(suspension, "full rebound"), start)
+    highest = np.maximum(deflection(suspension, "jounce"), start)
+    gone = np.zeros(np.broadcast_shapes(z0.shape, start.shape, *map(np.shape, (moved, pulls))))
+    for _ in range(SETTLING):
+        dx, pitch = _path_slopes(suspension.linkage, z0 + gone)
+        pushed = moved - pulls * dx + ahead * turns * pitch
+        there = spring_deflection(suspension.spring, borne + pushed / each)
+        gone = np.clip(there, lowest, highest) - start
+    return gone
+
+
+def _path_slopes(linkage: Linkage, travel: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return dx/dz (...) 1 and dpitch/dz (...) rad/m of `axle_path`; of tables about 1 mm."""
+    if linkage.travel:
+        before, after = (axle_path(linkage, travel + k * mm) for k in (-1, 1))
+        dx, pitch = ((b - a) / (2 * mm) for a, b in zip(before, after, strict=True))
+        return dx, pitch
+    pitch = linkage.pitch_rate * np.ones_like(travel)
+    if linkage.radius is None:
+        return np.zeros_like(travel), pitch
+    sine = np.sin(linkage.angle) - travel / linkage.radius
+    return sine / np.sqrt(1 - sine**2), pitch
 
 
 def windup(torque: ArrayLike, *, stiffness: ArrayLike) -> FloatArray:

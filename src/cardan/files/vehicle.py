@@ -431,6 +431,7 @@ class SuspensionTable(Table):
     reference: SuspensionState = key("state in which the geometry is given", default="gvw")
     full_rebound_deflection: Deflection | None = key("where a check strap stops it", default=None)
     jounce_deflection: Deflection | None = key("where a bump stop stops it", default=None)
+    squat: bool = key("whether what its tyres pull moves it on its springs", default=True)
     axle_to_frame: Length | None = key(
         "from the axle's centre up to the frame, in the reference state", default=None
     )
@@ -448,6 +449,7 @@ class SuspensionTable(Table):
             reference=self.reference,
             full_rebound_deflection=self.full_rebound_deflection,
             jounce_deflection=self.jounce_deflection,
+            squats=self.squat,
             axle_to_frame=self.axle_to_frame,
         )
 

@@ -1,8 +1,8 @@
 """A line's bearings at many points, nearly: where a force is largest is sought on this.
 
-Points of one state differ in torque and speed, and the torque winds up the axle. What follows
+Points of one state differ in torque and speed, and the torque moves the axle. What follows
 from angles alone, how one newton metre pushes the coordinates, how that follows their motion and
-what statics makes of it, is smooth in the axle's pitch: a parabola through three pitches. What
+what statics makes of it, is smooth in that: a parabola through three rides of the axle. What
 is left to do at a point is the algebra of a few coordinates (`cardan.loads.shaken`).
 
 Left out is the shafts' inertia, whose share is small where resonance is.
@@ -36,12 +36,12 @@ from cardan.loads.statics import loads, resting
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
 
-PITCHES = (-1.0, 0.0, 1.0)
-"""Where between the least and the largest pitch of the axle its angles are asked."""
+_ALONG = ((-1.0, 0.0), (0.0, 0.0), (1.0, 0.0))
+_BESIDE = ((0.0, -1.0), (0.0, 1.0), (1.0, 1.0))
 
 _Bent: TypeAlias = tuple[Any, ...]
-"""Coefficients of 1, x and x² of what follows the pitch x, -1 to 1; the first alone if nothing
-moves. Components first, the cases (..., S) last."""
+"""Coefficients of 1, x, x², y, y² and xy of what follows a ride (x, y): the first three if an axle
+goes straight, the first alone if nothing moves it. Components first, the cases (..., S) last."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,13 +61,59 @@ class Reach:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Rides:
+    """Where an axle rides at some points: by the torque on it, and how high its springs have it.
+
+    Attributes
+    ----------
+    least, largest : (..., S) N m
+        Torques on the axle.
+    lowest, highest : (..., S) m
+        Its travel under these; between them it goes nearly straight.
+    away : (..., S) m
+        How far it goes off that at most.
+    moves
+        Whether it rides in more ways than one.
+    """
+
+    least: FloatArray
+    largest: FloatArray
+    lowest: FloatArray
+    highest: FloatArray
+    away: FloatArray
+    moves: bool
+
+    @property
+    def nodes(self) -> tuple[tuple[float, float], ...]:
+        """Rides (x, y), -1 to 1, at which the line's angles are asked."""
+        if not self.moves:
+            return _ALONG[1:2]
+        return (*_ALONG, *_BESIDE) if self.away.any() else _ALONG
+
+    def ridden(self, x: float, y: float) -> tuple[FloatArray, FloatArray]:
+        """Return the torque on the axle and its travel of a ride, (..., S) N m, m."""
+        torque, travel = (
+            (a + b) / 2 + x * (b - a) / 2
+            for a, b in ((self.least, self.largest), (self.lowest, self.highest))
+        )
+        return torque, travel + y * self.away
+
+    def of(self, on_axle: ArrayLike, travel: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return the rides (x, y) of torques on the axle and travels, (P, ..., S) N m, m."""
+        half = (self.largest - self.least) / 2
+        x = (np.asarray(on_axle) - (self.largest + self.least) / 2) / np.where(half > 0, half, 1.0)
+        line = (self.lowest + self.highest) / 2 + x * (self.highest - self.lowest) / 2
+        return x, (np.asarray(travel) - line) / np.where(self.away > 0, self.away, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Facing:
     """Where shafts may hit something: R places that face it.
 
     Attributes
     ----------
-    free : (3, ..., S, R) m
-        Distance there at each of `PITCHES`.
+    free : (rides, ..., S, R) m
+        Distance there at each of the nodes of `Rides`.
     nearer : (..., S, R, n-1, 2, 3)
         How much nearer it comes for each metre of the ends of the shafts.
     """
@@ -78,14 +124,14 @@ class Facing:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sketch:
-    """A line on its rubber at all pitches of its axle; N coordinates, B = 3 (n-2) directions.
+    """A line on its rubber at all rides of its axle; N coordinates, B = 3 (n-2) directions.
 
     Attributes
     ----------
     on
         How it can move.
-    least, largest : (..., S) rad
-        Pitches of the axle.
+    rides
+        Where the axle is.
     pushes : (N, ...) N
         What orders 0 and 2 of 1 N m do on the coordinates.
     swing : (N, N, ...)
@@ -112,8 +158,7 @@ class Sketch:
     """
 
     on: Suspended
-    least: FloatArray
-    largest: FloatArray
+    rides: Rides
     pushes: tuple[_Bent, _Bent]
     swing: _Bent
     borne: tuple[_Bent, _Bent]
@@ -134,7 +179,8 @@ class Sketch:
         torque: ArrayLike,
         *,
         speed: ArrayLike,
-        pitch: ArrayLike,
+        on_axle: ArrayLike,
+        travel: ArrayLike,
         slip: ArrayLike,
         gives: bool = False,
     ) -> tuple[Sizes, Reach]:
@@ -142,16 +188,16 @@ class Sketch:
 
         Parameters
         ----------
-        torque, speed, pitch : (P, ..., S) N m, rad/s, rad
+        torque, speed, on_axle, travel : (P, ..., S) N m, rad/s, N m, m
             Where a torque is nan there is no point, and no force.
         slip : (P, ..., S) N
             Thrust at which the sliding fit slips; nan where nobody knows, and none counts.
         gives
             Return how far rubber gives across the shafts, in m for N, weight apart.
         """
-        x = self._ridden(pitch)
         there = ~np.isnan(torque)
-        given = np.broadcast_arrays(*(np.nan_to_num(v) for v in (torque, speed, x, slip)))
+        ride = self.rides.of(on_axle, travel)
+        given = np.broadcast_arrays(*(np.nan_to_num(v) for v in (torque, speed, *ride, slip)))
         cases = given[0].shape
         if len(cases) != 3 or prod(cases) <= CACHED:
             sizes = np.empty((self._told, *cases))
@@ -185,17 +231,12 @@ class Sketch:
             step = max(1, CACHED // max(count, 1))
             for start in range(0, there.shape[1], step) if count else ():
                 some = slice(start, start + step)
-                T, omega, x, slip = (v[state, :count, some, None] for v in packs)
+                each = (v[state, :count, some, None] for v in packs)
                 found[:, state, :count, some] = self._some(
-                    (some, slice(state, state + 1)), T, omega, x, slip, gives=gives
+                    (some, slice(state, state + 1)), *each, gives=gives
                 )[..., 0]
         _, variant, state = steps(there.shape)
         return found[:, state, place, variant]
-
-    def _ridden(self, pitch: ArrayLike) -> FloatArray:
-        """Return where between the least and the largest pitch of the axle one is, -1 to 1."""
-        half = (self.largest - self.least) / 2
-        return (np.asarray(pitch) - (self.largest + self.least) / 2) / np.where(half > 0, half, 1.0)
 
     def passed(
         self,
@@ -204,7 +245,8 @@ class Sketch:
         *,
         torque: FloatArray,
         speed: FloatArray,
-        pitch: FloatArray,
+        on_axle: FloatArray,
+        travel: FloatArray,
         slip: FloatArray,
     ) -> FloatArray:
         """Return what the bearings carry along a drive, step by step from rest, (P, n-2) N.
@@ -219,14 +261,13 @@ class Sketch:
             Of even steps, short against the fastest mode.
         turned : (P,) rad
             How far the gearbox's yoke has turned.
-        torque, speed, pitch, slip : (P,)
+        torque, speed, on_axle, travel, slip : (P,)
             As `at` has them, at each instant.
         """
-        x = self._ridden(pitch)
+        ride = self.rides.of(on_axle, travel)
 
         def bent(values: _Bent) -> Any:
-            found, *more = (v[..., None] for v in values)
-            return (more[1] * x + more[0]) * x + found if more else found
+            return _at_ride([v[..., None] for v in values], *ride)
 
         wave = np.exp(2j * turned)
         f0, r0 = (torque * bent(v[0]) for v in (self.pushes, self.borne))
@@ -259,7 +300,7 @@ class Sketch:
         return np.maximum.reduce([_size(mean + k * drawn) for k in (0.0, 1.0, -1.0)]).T
 
     def _some(
-        self, some: Stretch, T: Any, omega: Any, x: Any, slip: Any, *, gives: bool
+        self, some: Stretch, T: Any, omega: Any, x: Any, y: Any, slip: Any, *, gives: bool
     ) -> FloatArray:
         """Return mean, orders, peak and reach (X, P, ...) N, or m, of a stretch of the cases."""
 
@@ -267,8 +308,7 @@ class Sketch:
             return stretch(wide(values, T.ndim, of=of), some)
 
         def bent(values: _Bent, of: int = 1) -> Any:
-            found, *more = (own(v, of) for v in values)
-            return (more[1] * x + more[0]) * x + found if more else found
+            return _at_ride([own(v, of) for v in values], x, y)
 
         line = self.on.first.some(some, T.ndim)
         f0, r0 = (T * bent(v[0]) for v in (self.pushes, self.borne))
@@ -305,17 +345,16 @@ def sketch(
     line: Line,
     phases: ArrayLike,
     *,
-    least: FloatArray,
-    largest: FloatArray,
+    rides: Rides,
     most: ArrayLike,
     gravity: float = 0.0,
     balanced_at: ArrayLike | None = None,
     facing: Facing | None = None,
 ) -> Sketch:
-    """Return a line for all points between two pitches of its axle.
+    """Return a line for all points of some rides of its axle.
 
-    Where it runs at each of `PITCHES` is on the first axis of `layouts` (3, ..., S, n, 3), of
-    one where no torque moves it; what it is `facing` there. The `most` torque of the points,
+    Where it runs at each of their nodes is on the first axis of `layouts` (rides, ..., S, n, 3);
+    what it is `facing` there. The `most` torque of the points,
     (..., S) N m, twists its shafts either way, and others in proportion. Other arguments are
     those of `cardan.loads.running.running`.
     """
@@ -339,8 +378,7 @@ def sketch(
         drawn = (nearer @ moved[..., None])[..., 0].real
     return Sketch(
         on=on,
-        least=least,
-        largest=largest,
+        rides=rides,
         pushes=(_parabola(f0.real), _parabola(f2)),
         swing=_parabola(swing, of=2),
         borne=(_parabola(r0.real), _parabola(r2)),
@@ -377,12 +415,27 @@ def _across(on: Suspended, force: Any) -> Any:
 
 
 def _parabola(values: Any, *, of: int = 1) -> _Bent:
-    """Return the coefficients of values (3, ..., S, M) at `PITCHES`, or (1, ...) of one."""
+    """Return the coefficients of values (rides, ..., S, M) at the nodes of `Rides`."""
     low, *others = (np.ascontiguousarray(leading(v, of=of)) for v in values)
     if not others:
         return (low,)
-    middle, high = others
-    return middle, (high - low) / 2, (high + low) / 2 - middle
+    middle, high, *beside = others
+    along = middle, (high - low) / 2, (high + low) / 2 - middle
+    if not beside:
+        return along
+    below, above, corner = beside
+    across = (above - below) / 2, (above + below) / 2 - middle
+    return *along, *across, corner - sum(along) - sum(across)
+
+
+def _at_ride(values: Sequence[Any], x: Any, y: Any) -> Any:
+    """Return what coefficients say at rides (x, y)."""
+    if len(values) == 1:
+        return values[0]
+    found = (values[2] * x + values[1]) * x + values[0]
+    if len(values) > 3:
+        found = found + (values[4] * y + values[3] + values[5] * x) * y
+    return found
 
 
 def _by_bearing(force: Any) -> Any:

@@ -321,6 +321,8 @@ class Suspension:
     reference: SuspensionState = "gvw"
     full_rebound_deflection: Metre | None = None
     jounce_deflection: Metre | None = None
+    squats: bool = True
+    """Whether what the tyres pull moves the axle on its springs."""
     axle_to_frame: Metre | None = None
     """From the centre of the axle up to the frame, in the reference state."""
 

@@ -16,13 +16,22 @@ from cardan.base.arrays import ArrayLike, FloatArray, IntArray, steps
 from cardan.base.frozen import dataclass
 from cardan.base.part import Point
 from cardan.demand.clearance import gaps
-from cardan.demand.points import Curves, Direction, Placed, demand_at, pitch_at, placed
-from cardan.demand.states import Demand, demand_pitched, pitch_under
+from cardan.demand.motion import Ride
+from cardan.demand.points import (
+    Curves,
+    Direction,
+    Placed,
+    demand_at,
+    on_axle_at,
+    placed,
+    ride_at,
+)
+from cardan.demand.states import Demand, demand_ridden, on_axle_under, ride_under
 from cardan.kinematics.chain import turn
 from cardan.loads.parametric import growth, of_two
 from cardan.loads.rubber import LOSS, Suspended, suspended
 from cardan.loads.running import Running, at_joints, running, set_down, shifted
-from cardan.loads.sketch import PITCHES, Facing, Reach, Sketch, sketch
+from cardan.loads.sketch import Facing, Reach, Rides, Sketch, sketch
 from cardan.model.layout import Layout
 from cardan.model.seat import soft
 
@@ -41,6 +50,9 @@ _Row: TypeAlias = tuple[IntArray, FloatArray]
 FIRM = 1e14
 """N/m, of a bearing without rubber in a bracket that gives: a millionth of what brackets give,
 and rounding is as small."""
+
+STRAIGHT = 1e-9
+"""m, of travel that is rounding."""
 
 CRESTS = 3
 """How many crests are sought more closely: the next may prove the higher one."""
@@ -363,15 +375,17 @@ def worst_reach(r: "Response") -> Points | None:
     return _best(every, "reach")
 
 
-def _facing(r: "Response", laid: Layout) -> Facing | None:
-    """Return where shafts come nearest to obstacles at each of `PITCHES`, of layouts (3, ...)."""
+def _facing(r: "Response", laid: Layout, travel: FloatArray) -> Facing | None:
+    """Return where shafts come nearest to obstacles, of layouts (rides, ...) at nodes."""
     if not r.obstacles:
         return None
     if laid.points.ndim < 5:  # obstacles may be of variants that lie alike
         laid = laid[:, None]
-    there = gaps(laid, r.line, r.obstacles, travel=r.demand.travel)
+    if travel.ndim < 3:
+        travel = travel[:, None]
+    there = gaps(laid, r.line, r.obstacles, travel=travel)
     free = there.free.min(axis=-1)
-    middle = len(free) // 2
+    middle = 1 if len(free) > 1 else 0
     best = there.free[middle].argmin(axis=-1)[..., None]
     share = np.take_along_axis(there.share[middle], best, axis=-1)[..., 0]
     away = np.take_along_axis(there.away[middle], best[..., None], axis=-2)[..., 0, :]
@@ -629,32 +643,62 @@ def _rows(*found: Points) -> _Row:
 
 
 def _sketch(r: "Response", at: Placed, on: Suspended) -> Sketch:
-    """Return a line for all points between the least and the largest pitch of some."""
-    pitch = pitch_at(r.demand, at)
-    some = np.where(np.isnan(at.torque), np.nan, pitch)
-    # A state without a point has its own pitch, and no force.
-    some = np.where(np.isnan(some).all(axis=0), r.demand.ride.pitch, some)
-    least, largest = np.nanmin(some, axis=0), np.nanmax(some, axis=0)
-    shares = PITCHES if (largest > least).any() else (0.0,)
-    pitches = np.stack([least + (1 + x) / 2 * (largest - least) for x in shares])
+    """Return a line for all points between the least and the largest torque on its axle."""
+    # A state without a point has its own ride, and no force.
+    some = np.where(np.isnan(at.torque), np.nan, on_axle_at(r.demand, at))
+    some = np.where(np.isnan(some).all(axis=0), 0.0, some)
+    ridden = ride_at(r.demand, at)
+    rides = _rides(some, ridden)
+    each = [rides.ridden(*node) for node in rides.nodes]
 
     def named(case: tuple[int, ...]) -> str:
-        """Name the point nearest to a pitch."""
-        away = np.abs(some[(slice(None), *case[1:])] - pitches[case])
+        """Name the point nearest to a ride."""
+        away = np.abs(some[(slice(None), *case[1:])] - each[case[0]][0][case[1:]])
         return at.named((int(np.nanargmin(away)), *case[1:]))
 
-    asked = demand_pitched(
-        r.demand, pitches, torque=r.demand.torque, speed=r.demand.speed, named=named
-    )
+    asked = _at_nodes(r, rides, named=named)
     laid = r.lay(asked)
-    if laid.directions.ndim - 2 < pitches.ndim:  # however the axle rides, it lies as it lies
+    if laid.directions.ndim - 2 < asked.torque.ndim:  # however the axle rides, it lies as it lies
         laid = laid[None]
     return sketch(
-        on, laid, r.line, r.phases, least=least, largest=largest,
+        on, laid, r.line, r.phases, rides=rides,
         most=np.abs(np.nan_to_num(at.torque)).max(axis=0), gravity=r.gravity,
         balanced_at=r.balanced_at if r.application.include_unbalance else None,
-        facing=_facing(r, laid),
+        facing=_facing(r, laid, asked.travel),
     )  # fmt: skip
+
+
+def _rides(on_axle: FloatArray, ride: Ride) -> Rides:
+    """Return the rides of an axle at points: torques on it (P, ..., S), nan where there is none."""
+    travel = np.broadcast_to(np.asarray(ride.shift, dtype=float)[..., 2], on_axle.shape)
+    pitch = np.broadcast_to(np.asarray(ride.pitch, dtype=float), on_axle.shape)
+    travel, pitch = (np.where(np.isnan(on_axle), np.nan, v) for v in (travel, pitch))
+    ends = [of(on_axle, axis=0)[None] for of in (np.nanargmin, np.nanargmax)]
+    (least, lowest), (largest, highest) = (
+        [np.take_along_axis(v, end, axis=0)[0] for v in (on_axle, travel)] for end in ends
+    )
+    found = Rides(
+        least=least, largest=largest, lowest=lowest, highest=highest,
+        away=np.zeros_like(least),
+        moves=any((np.nanmax(v, axis=0) > np.nanmin(v, axis=0)).any() for v in (travel, pitch)),
+    )  # fmt: skip
+    _, off = found.of(on_axle, travel)
+    away = np.nanmax(np.abs(off), axis=0)
+    return replace(found, away=np.where(away > STRAIGHT, away, 0.0))
+
+
+def _at_nodes(
+    r: "Response", rides: Rides, *, named: Callable[[tuple[int, ...]], str] = str
+) -> Demand:
+    """Return a line at each of the nodes of its axle's rides, (rides, ..., S)."""
+    torque, travel = (
+        np.stack(v) for v in zip(*(rides.ridden(*n) for n in rides.nodes), strict=True)
+    )
+    if not rides.moves:  # it rides as in its state
+        ride = replace(r.demand.ride, pitch=np.broadcast_to(r.demand.ride.pitch, torque.shape))
+    else:
+        ride = r.demand.standing.at(torque, travel)
+    return demand_ridden(r.demand, ride, torque=r.demand.torque, speed=r.demand.speed, named=named)
 
 
 def _sketched(
@@ -671,7 +715,8 @@ def _sketched(
     told = drawn.at(
         at.torque,
         speed=at.sense * at.speed,
-        pitch=pitch_at(r.demand, at),
+        on_axle=on_axle_at(r.demand, at),
+        travel=np.asarray(ride_at(r.demand, at).shift)[..., 2],
         slip=r.slip_at(at.torque),
         gives=gives,
     )
@@ -771,34 +816,38 @@ class Driven:
 def driven(r: "Response", of: Driven, *, state: int) -> tuple[FloatArray, FloatArray] | None:
     """Return what the bearings carry along a drive in a state, (P, n-2) N twice.
 
-    Steadily at each instant's torque and speed, and as the line passes through; the axle wound
-    up by the torque of the instant. None where the line is not on rubber.
+    Steadily at each instant's torque and speed, and as the line passes through; the axle where
+    the torque of the instant has it. None where the line is not on rubber.
     """
     if r.held is None:
         return None
     on = r.held.of_case(state).slowest(r.line.swings)
     every = np.repeat(of.torque[:, None], len(r.demand.states), axis=1)
-    pitch, slip = (v[:, state] for v in (pitch_under(r.demand, every), r.slip_at(every)))
-    least, largest = pitch.min(), pitch.max()
-    shares = PITCHES if largest > least else (0.0,)
-    pitches = np.stack([np.asarray(r.demand.ride.pitch, dtype=float)] * len(shares))
-    pitches[:, state] = [least + (1 + x) / 2 * (largest - least) for x in shares]
-    laid = r.lay(demand_pitched(r.demand, pitches, torque=r.demand.torque, speed=r.demand.speed))
+    on_axle = np.nan_to_num(on_axle_under(r.demand, every))
+    ridden = ride_under(r.demand, every)
+    rides = _rides(on_axle, ridden)
+    laid, count = r.lay(_at_nodes(r, rides)), len(rides.nodes)
     where = Layout(
-        points=np.broadcast_to(laid.points, (len(shares), *laid.points.shape[-3:]))[:, state],
-        directions=np.broadcast_to(
-            laid.directions, (len(shares), *laid.directions.shape[-3:])
-        )[:, state],
-    )  # fmt: skip
+        points=np.broadcast_to(laid.points, (count, *laid.points.shape[-3:]))[:, state],
+        directions=np.broadcast_to(laid.directions, (count, *laid.directions.shape[-3:]))[:, state],
+    )
     drawn = sketch(
-        on, where, r.line, r.phases, least=least, largest=largest,
+        on, where, r.line, r.phases,
+        rides=replace(
+            rides,
+            **{
+                name: getattr(rides, name)[state]
+                for name in ("least", "largest", "lowest", "highest", "away")
+            },
+        ),
         most=np.abs(of.torque).max(), gravity=r.gravity,
     )  # fmt: skip
     asked: dict[str, Any] = {
         "torque": of.torque,
         "speed": of.speed,
-        "pitch": pitch,
-        "slip": np.nan_to_num(slip),
+        "on_axle": on_axle[:, state],
+        "travel": np.broadcast_to(np.asarray(ridden.shift)[..., 2], on_axle.shape)[:, state],
+        "slip": np.nan_to_num(r.slip_at(every)[:, state]),
     }
     return drawn.at(**asked)[0].peak, drawn.passed(of.time, of.turned, **asked)
 

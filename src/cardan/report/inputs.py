@@ -29,7 +29,7 @@ _SUSPENSION = (
     "spring.load", "spring.deflection", "spring.rates", "spring.contact", "springs_per_axle",
     "unsprung_mass", "linkage.radius", "linkage.front_half_length", "linkage.angle",
     "linkage.pitch_rate", "linkage.travel", "windup_stiffness", "brake_torque", "reference",
-    "full_rebound_deflection", "jounce_deflection",
+    "full_rebound_deflection", "jounce_deflection", "squat",
 )  # fmt: skip
 _LIMIT = ("quantity", "normal", "maximum", "sense", "band")
 _IN_WORDS: dict[str, tuple[str, ...]] = {
@@ -225,6 +225,8 @@ def _suspension(s: Suspension | None, say: Language) -> Iterator[tuple[str, str]
     yield say("reference state"), say.state(s.reference)
     yield say("deflection at full rebound"), _q(s.full_rebound_deflection, mm, "mm", say)
     yield say("deflection at jounce"), _q(s.jounce_deflection, mm, "mm", say)
+    if not s.squats:
+        yield say("squat"), say("left out")
 
 
 def _line(of: Installed, say: Language) -> Iterator[tuple[str, str]]:

@@ -19,6 +19,13 @@ from cardan.shaft.beams import Beams, System, assembled
 ELEMENTS = 4
 """Beam elements from joint to joint, or to the bearing: the lowest speed is 0.1 % high."""
 
+BENDS = 0.1
+"""Share of the elastic energy from which on shafts bend, and not swing on what holds them.
+
+A line on truck rubber swings with 0.003 at most and bends with 0.99. Flanges that give share a
+mode with the tube, and its speed is then below that on rigid ones: which it is of them is no
+matter, it bends the tube. At a tenth a swing is three times slower than what it bends."""
+
 HALF_CRITICAL = (0.42, 0.58)
 """Shares of the critical speed where the joints, twice a turn, shake it (SAE AE-7 p. 267)."""
 
@@ -181,10 +188,10 @@ def critical_modes(beams: Beams, *, modes: int | None = None, elements: int = EL
 def line_critical_speed(modes: Modes) -> FloatArray:
     """Return the lowest critical speed (...) rad/s that bends the shafts.
 
-    It is the lowest of `critical_modes` in which the shafts hold more than half of the
+    It is the lowest of `critical_modes` in which the shafts hold more than `BENDS` of the
     elastic energy. On rubber a line bounces at a lower speed, `bearing_resonance`.
     """
-    return _lowest(modes, modes.bending > 0.5)
+    return _lowest(modes, modes.bending > BENDS)
 
 
 def bearing_resonance(modes: Modes) -> FloatArray:
@@ -194,7 +201,7 @@ def bearing_resonance(modes: Modes) -> FloatArray:
     that they do not stay there, nor at half of it, where the joints excite it. Infinite on
     rigid bearings.
     """
-    return _lowest(modes, modes.bending <= 0.5)
+    return _lowest(modes, modes.bending <= BENDS)
 
 
 def _lowest(modes: Modes, chosen: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> FloatArray:

@@ -13,7 +13,7 @@ from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.part import Point
 from cardan.demand.points import Direction
-from cardan.demand.states import Demand, demand, demand_under, pitch_under, resolve
+from cardan.demand.states import Demand, demand, demand_under, resolve, ride_under
 from cardan.model.application import Application, Installed, State
 from cardan.model.vehicle import SuspensionState
 from cardan.quantity.response import Response, respond
@@ -61,8 +61,8 @@ def reach(response: Response) -> Reach:
     every = np.concatenate(may)
     torque = float(np.nanmin(every)), float(np.nanmax(every))
     still = np.zeros((1, len(asked.states)))
-    held = pitch_under(asked, still, coasts=True, brakes=True)
-    braked = winds(response) and bool(np.any(held != pitch_under(asked, still)))
+    held, free = (ride_under(asked, still, coasts=k, brakes=k).pitch for k in (True, False))
+    braked = winds(response) and bool(np.any(held != free))
     return Reach(travel=(min(travels), max(travels)), torque=torque, brakes=braked)
 
 
@@ -74,14 +74,14 @@ def winds(response: Response) -> bool:
 
 
 def under(response: Response, point: Point) -> Response:
-    """Return a line in its states as an operating point winds its axle up, (S,)."""
+    """Return a line in its states as an operating point moves its axle, (S,)."""
     asked = response.demand
     wound = demand_under(
         asked, torque=np.full((1, len(asked.states)), point.torque), speed=point.speed,
         coasts=point.direction == "coast", brakes=point.direction == "brake",
     )  # fmt: skip
-    layout = wound.layout[0]
-    return respond(response.application, asked, lay=lambda _: layout)
+    layout, there = wound.layout[0], replace(asked, travel=wound.travel[0], pitch=wound.pitch[0])
+    return respond(response.application, there, lay=lambda _: layout)
 
 
 def ride(

@@ -680,6 +680,8 @@ def _posed(read: Document, question: Json, say: Language) -> Json:
             if asked_for.get("way") and travel is None:
                 posed["way"] = asked_for["way"]
                 shown, k = under(r, Point("", posed["way"], 0.0, turned)), s
+                height = float(shown.demand.travel[s])
+                posed["travel"] = f(height / mm, 2)
             else:
                 app, of = read.application, r.demand.installed
                 shown, k = ride(app, of, travel=[height], torque=turned, brakes=braked), 0
