@@ -5,7 +5,7 @@ to the surface. Of each place and plane the stress history is counted by rainflo
 that repeats for ever, and the damage of all histories adds up on the same plane.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TypeAlias
@@ -25,6 +25,8 @@ _BEST = 3
 """Planes of a place that are counted closely."""
 _NOTHING, _ORDERS = 1e-6, 4
 """Share of the largest wave below which one is none; and how many are few."""
+LEVELS = 16
+"""Shares of a reach by which cycles are told apart."""
 _STEPS, _ROUGHLY = 200, 0.01
 """Of the search for an ellipsoid at most; and how near it is enough."""
 _CHUNK = 4_000_000
@@ -149,13 +151,21 @@ class Reach:
     middle : (c,)
     axes : ((c, r), ...)
         Of each ellipsoid.
-    cycles
-        More than any sum of the loads has in a pass.
+    cycles : (LEVELS,)
+        More than any sum of the loads has in a pass, by the share of the reach that they go to at
+        most: the last reach all of it, the first a `LEVELS`th. A road all day long has as many
+        small ones as samples, and few as large as its worst blow.
     """
 
     middle: FloatArray
     axes: tuple[FloatArray, ...]
-    cycles: int
+    cycles: FloatArray
+
+    @property
+    def levels(self) -> Iterator[tuple[float, float]]:
+        """Shares of the reach, and how many cycles there may be of each."""
+        for k in np.flatnonzero(self.cycles).tolist():
+            yield (k + 1) / LEVELS, float(self.cycles[k])
 
     def swings(self, stress: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return mean and amplitude (...) Pa that harm as any cycle of stresses (..., c), or more.
@@ -172,30 +182,37 @@ def reach(passes: FloatArray, worth: FloatArray | float = 1.0) -> Reach:
     """Return what holds all moments of passes (p, t, c) of loads, each worth so much stress (c,).
 
     Of few orders each has its ellipse, which one order fills; else it is about the smallest
-    ellipsoid. A sum of waves has no more cycles than its highest order.
+    ellipsoid. A sum of waves has no more cycles than its highest order. Else a cycle goes no
+    farther than the farther of the two moments at its ends, and no moment ends two.
     """
     waves = np.fft.rfft(passes, axis=1) * 2 / passes.shape[1]
     size = (np.abs(waves) * worth).max(axis=(0, 2))[1:]
     orders = np.flatnonzero(size > _NOTHING * size.max(initial=0.0)) + 1
-    cycles, middles = int(orders.max(initial=1)), passes.mean(axis=1)
+    middles, cycles = passes.mean(axis=1), np.zeros(LEVELS)
+    cycles[-1] = orders.max(initial=1)
     if len(orders) <= _ORDERS:
         # Passes may differ in where their waves begin.
         spans = (waves[:, orders, :, None] * waves[:, orders, None].conj()).real
         if _alike(spans) and _alike(middles):
             axes = tuple(np.stack([w.real, w.imag], axis=-1) for w in waves[0, orders])
             return Reach(middles[0], axes, cycles)
-    middle, held = _held(passes.reshape(-1, passes.shape[-1]), worth)
-    return Reach(middle, (held,), cycles)
+    middle, held, far = _held(passes.reshape(-1, passes.shape[-1]), worth)
+    if len(far) > LEVELS * cycles[-1]:  # few orders in many samples are told better by these
+        return Reach(middle, (held,), cycles)
+    level = np.minimum(np.ceil(far * LEVELS).astype(int), LEVELS)
+    return Reach(middle, (held,), np.bincount(level, minlength=LEVELS + 1)[1:].astype(float))
 
 
 def _alike(passes: FloatArray) -> bool:
     return np.allclose(passes, passes[0], atol=_NOTHING * np.abs(passes).max(initial=0.0))
 
 
-def _held(points: FloatArray, worth: FloatArray | float) -> tuple[FloatArray, FloatArray]:
+def _held(
+    points: FloatArray, worth: FloatArray | float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return middle (c,) and axes (c, r) of about the smallest ellipsoid that holds points (t, c).
 
-    Source: Khachiyan, Math. Oper. Res. 21 (1996) 307.
+    And how far each of them is (t,), 1 on its skin. Source: Khachiyan, Math. Oper. Res. 21 (1996) 307.
     """
     scale = np.broadcast_to(np.asarray(worth, dtype=float), points.shape[1:])
     mean = points.mean(axis=0)
@@ -217,8 +234,9 @@ def _held(points: FloatArray, worth: FloatArray | float) -> tuple[FloatArray, Fl
     away = goes - middle
     axes = np.linalg.cholesky((away.T * weight) @ away)
     # Wherever the search ended, it is made as large as holds them all.
-    axes *= np.sqrt((np.linalg.solve(axes, away.T) ** 2).sum(axis=0).max())
-    return mean + middle @ back, (axes.T @ back).T
+    far = np.sqrt((np.linalg.solve(axes, away.T) ** 2).sum(axis=0))
+    axes *= far.max()
+    return mean + middle @ back, (axes.T @ back).T, far / far.max()
 
 
 def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
@@ -240,15 +258,19 @@ def farthest(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
     return loads[np.unique([gone.argmin(axis=0), gone.argmax(axis=0)])]
 
 
-def along(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
+def along(
+    loads: FloatArray, worth: FloatArray | float = 1.0, *, alike: bool = True
+) -> FloatArray:
     """Return how far loads (t, c), each worth so much stress (c,), go, (t, ways).
 
     Along the three ways in which they vary most, and between them: a stress is nearly one of these.
+    They are made `alike` in size, or left as much as they are worth.
     """
     weighed = (loads - loads.mean(axis=0)) * worth
     _, axes = np.linalg.eigh(weighed.T @ weighed)
     main = weighed @ axes[:, -_MOST:]
-    main /= np.maximum(main.std(axis=0), 1e-300)
+    if alike:
+        main /= np.maximum(main.std(axis=0), 1e-300)
     ways = list(product((-1, 0, 1), repeat=main.shape[1]))
     return main @ np.transpose(ways[len(ways) // 2 + 1 :])  # of a way and its opposite, one
 

@@ -398,11 +398,13 @@ class _Way:
         """Return the moments of a long history that any stress turns at, the others left out.
 
         Kept is where any of the ways in which they go `along` turns by more than a hundredth of
-        its range, which no cycle that does harm is below.
+        the range of the way that stresses most, which no cycle that does harm is below.
         """
         if len(loads) <= _LONG:
             return loads
-        kept = [turns(gone, gate=_TURN) for gone in along(loads, self.worth).T]
+        ways = along(loads, self.worth, alike=False)
+        most = _TURN * float(np.ptp(ways, axis=0).max())
+        kept = [turns(gone, gate=most / np.ptp(gone)) for gone in ways.T if np.ptp(gone) > 0]
         return loads[np.unique(np.concatenate(kept))]
 
     def places(self, loads: FloatArray) -> IntArray:
@@ -558,7 +560,7 @@ def _damage(
 
 
 def _at_most(way: _Way, passes: Sequence[Pass], strength: Mapping[Zone, Strength]) -> FloatArray:
-    """Return what damage passes may do at every place (m,): as if each cycle were the largest."""
+    """Return what damage passes may do at every place (m,): as if all its cycles went one way."""
     most = np.zeros(len(way.feature))
     held = [reach(p.loads, way.worth) for p in passes]
     for block in _blocks(len(way.feature)):
@@ -569,7 +571,8 @@ def _at_most(way: _Way, passes: Sequence[Pass], strength: Mapping[Zone, Strength
             for one, within in zip(own, held, strict=True):
                 mean, amplitude = within.swings(stress[mine])
                 more = np.broadcast_to(one.scale, len(mine))[:, None]
-                done += one.times * within.cycles * harm(more * amplitude, more * mean)
+                for share, count in within.levels:
+                    done += one.times * count * harm(more * share * amplitude, more * mean)
             most[at[mine]] = done.max(axis=1)
     return most
 

@@ -24,7 +24,7 @@ from cardan.fatigue.usage import usage
 from cardan.model.application import Application
 from cardan.study.identification import STRETCH, Identification, load_history
 
-TOLD = 0.05
+TOLD = 0.2
 """Share of what the force that gauges feel most does to them, below which a force is not read back:
 what a wire has of noise would stand for it."""
 
