@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 
 PLANES = 36
 """Planes tried at each place, 5 degrees apart: of shear at most 0.4 % is missed."""
@@ -27,12 +27,11 @@ _NOTHING, _ORDERS = 1e-6, 4
 """Share of the largest wave below which one is none; and how many are few."""
 _STEPS, _ROUGHLY = 200, 0.01
 """Of the search for an ellipsoid at most; and how near it is enough."""
-_CHUNK = 4_000_000
 _NEAR = 200_000
 """Numbers that stay near a processor: extremes of few moments are found five times as fast."""
 
-Harm: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
-"""From amplitude and mean of cycles, (...) Pa, to the damage of each."""
+Harm: TypeAlias = Callable[[FloatArray, FloatArray, IntArray], FloatArray]
+"""From amplitude and mean of cycles (k, ...) Pa, at places numbered (k,), to damage of each."""
 
 
 @dataclass(frozen=True)
@@ -118,6 +117,16 @@ def plane_directions(normals: ArrayLike, *, planes: int = PLANES) -> FloatArray:
     return np.cos(angle)[:, None] * u[:, None] + np.sin(angle)[:, None] * v[:, None]
 
 
+def in_surface(unit: ArrayLike, normals: ArrayLike) -> FloatArray:
+    """Return what unit stresses (m, c, 6) are in surfaces square to normals (m, 3), (m, 3, c) Pa.
+
+    The middle of Mohr's circle and the two legs of its radius: on a plane turned by φ normal stress
+    is the first, plus cos 2φ times the second, plus sin 2φ times the third.
+    """
+    one, up, other, down = np.moveaxis(on_planes(unit, plane_directions(normals, planes=4)), 1, 0)
+    return np.stack([one + other, one - other, up - down], axis=1) / 2
+
+
 def on_planes(unit: ArrayLike, directions: ArrayLike) -> FloatArray:
     """Return normal stress (m, planes, c) Pa of unit stresses (m, c, 6) along (m, planes, 3)."""
     x, y, z = np.moveaxis(np.asarray(directions, dtype=float), -1, 0)
@@ -132,7 +141,7 @@ def swings(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArra
     """
     every = stress.reshape(-1, stress.shape[-1])
     found = np.empty((2, len(every)))
-    for rows in _chunks(len(every), len(loads), most=_NEAR):
+    for rows in _chunks(len(every), len(loads)):
         history = loads @ every[rows].T  # moments in rows: extremes of many planes at once
         top, low = history.max(axis=0), history.min(axis=0)
         found[:, rows] = (top + low) / 2, (top - low) / 2
@@ -158,14 +167,17 @@ class Reach:
     cycles: int
 
     def swings(self, stress: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return mean and amplitude (...) Pa that harm as any cycle of stresses (..., c), or more.
+        """Return mean and amplitude (m,) Pa that harm as any cycle on any plane, or more.
 
-        No moment is higher or lower; and of cycles with one top the larger fares worse.
+        Of stresses (m, 3, c) `in_surface`. No moment is higher or lower on a plane; and of cycles
+        with one top the larger fares worse, of two as large the one about the higher mean.
         """
-        size = np.zeros(stress.shape[:-1])
+        size = np.zeros(len(stress))
         for axes in self.axes:
-            size += np.sqrt(((stress @ axes) ** 2).sum(axis=-1))
-        return stress @ self.middle, size
+            middle, *legs = np.moveaxis(stress @ axes, 1, 0)
+            size += np.linalg.norm(np.abs(middle) + np.hypot(*legs), axis=-1)
+        middle, *legs = np.moveaxis(stress @ self.middle, 1, 0)
+        return middle + np.hypot(*legs), size
 
 
 def reach(passes: FloatArray, worth: FloatArray | float = 1.0) -> Reach:
@@ -227,7 +239,7 @@ def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArr
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[:, None]
         mean, amplitude = swings(stress, farthest(np.concatenate(one.loads), worth))
-        rough += one.times * harm(more * amplitude, more * mean)
+        rough += one.times * harm(more * amplitude, more * mean, np.arange(len(stress)))
     return rough
 
 
@@ -272,7 +284,7 @@ def plane_damage(
     passes
         Histories of the loads; their damage adds up.
     harm
-        Damage of cycles: S-N curve and mean-stress correction.
+        Damage of cycles: S-N curve and mean-stress correction, of each place its own.
     closely
         Share of the worst place's damage below which the largest cycle alone is counted.
 
@@ -295,21 +307,22 @@ def plane_damage(
     exact = np.zeros(order.shape)
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[counts, None, None]
-        t = one.loads.shape[1]
-        for rows in _chunks(len(counts), order.shape[1] * t):
-            done = np.zeros((len(share[rows]), order.shape[1]))
-            for loads in one.loads:
-                signals = (more[rows] * share[rows] @ loads.T).reshape(-1, t)
-                each = harm(*counted(signals)).sum(axis=1)
-                done = np.maximum(done, each.reshape(done.shape))
-            exact[rows] += one.times * done
+        many, t, _ = one.loads.shape
+        for rows in _chunks(len(counts), order.shape[1] * many * t):
+            signals = more[rows] * share[rows] @ np.concatenate(one.loads).T
+            amplitude, mean = (
+                v.reshape(len(signals), -1, many, v.shape[1])
+                for v in counted(signals.reshape(-1, t))
+            )
+            each = harm(amplitude, mean, counts[rows])
+            exact[rows] += one.times * each.sum(axis=-1).max(axis=-1)
     damage[counts] = exact.max(axis=1, initial=0.0)
     picked = exact.argmax(axis=1)
     best[counts] = np.take_along_axis(order, picked[:, None], axis=1)[:, 0]
     return damage, directions[np.arange(len(best)), best]
 
 
-def _chunks(count: int, width: int, *, most: int = _CHUNK) -> list[slice]:
-    """Return slices of `count` rows that hold no more than `most` numbers."""
-    step = max(1, most // max(width, 1))
+def _chunks(count: int, width: int) -> list[slice]:
+    """Return slices of `count` rows that hold no more numbers than stay near a processor."""
+    step = max(1, _NEAR // max(width, 1))
     return [slice(k, k + step) for k in range(0, count, step)]
