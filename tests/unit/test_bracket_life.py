@@ -17,6 +17,7 @@ from cardan.base.units import MPa, hour, rpm
 from cardan.base.verdict import Limit, badness
 from cardan.bracket.gauges import recover
 from cardan.fatigue.strength import SNCurve
+from cardan.loads.cycle import Cycle
 from cardan.loads.statics import loads
 from cardan.model.application import DutyPoint
 from cardan.model.bracket import Bracket, FatigueCurve, UShape
@@ -208,12 +209,29 @@ def test_cases_and_duty_know_how_long_a_pass_lasts():
     assert first.loads == pytest.approx(by["peak"].loads, abs=0.5)
     assert second.duration == pytest.approx(4 * turn)
     # Half the torque halves order 2; a quarter of the speed leaves a 16th of the unbalance.
-    passes = second.loads.reshape(8, 64, 9)[..., :3]
+    passes = second.loads.reshape(4, 64, 9)[..., :3]
     mean = by["static"].loads[0, :3]
     once = np.abs(np.fft.rfft(passes[0], axis=0)[1]) / 32
-    whole = np.abs(np.fft.rfft(first.loads.reshape(8, 64, 9)[0, :, :3], axis=0)[1]) / 32
+    whole = np.abs(np.fft.rfft(first.loads.reshape(4, 64, 9)[0, :, :3], axis=0)[1]) / 32
     assert passes[0].mean(axis=0) == pytest.approx(mean / 2, abs=0.02)
     assert once == pytest.approx(whole / 16)
+
+
+def test_heavy_spots_opposite_are_the_same_half_a_turn_later():
+    """Of eight heavy spots round the turn the four told leave out none: each is one, or late."""
+    application = files.loads(TEXT)
+    (response,) = assess(application).responses
+    (peak,) = (c for c in cases_of(application.bracket, response) if c.what == "peak")
+    waves = response.loads.bearing_forces.waves[0, 0]
+    turn = Cycle(waves).values(64)
+    theta = 2 * np.pi * np.arange(64) / 64
+    size = float(response.unbalance.bearing_forces[0, 0])
+    told = peak.loads.reshape(peak.places, 64, 9)[..., :3]
+    for k in range(8):
+        at = theta - k * np.pi / 4
+        spot = turn + size * np.stack([0 * at, np.cos(at), np.sin(at)], axis=-1)
+        late = (spot, np.roll(spot, 32, axis=0))
+        assert any(np.allclose(a, b, rtol=1e-9, atol=1e-6) for a in late for b in told)
 
 
 def test_a_bracket_gets_what_its_bearing_carries_on_rubber():

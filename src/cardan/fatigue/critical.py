@@ -5,14 +5,14 @@ to the surface. Of each place and plane the stress history is counted by rainflo
 that repeats for ever, and the damage of all histories adds up on the same plane.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 
 PLANES = 36
 """Planes tried at each place, 5 degrees apart: of shear at most 0.4 % is missed."""
@@ -29,12 +29,15 @@ LEVELS = 16
 """Shares of a reach by which cycles are told apart."""
 _STEPS, _ROUGHLY = 200, 0.01
 """Of the search for an ellipsoid at most; and how near it is enough."""
-_CHUNK = 4_000_000
+_OUT = 1000
+"""Moments of a long history of which extremes are asked first."""
+_ABREAST = 16
+"""Places at least whose cycles are counted at once: a long history takes as many steps for one."""
 _NEAR = 200_000
 """Numbers that stay near a processor: extremes of few moments are found five times as fast."""
 
-Harm: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
-"""From amplitude and mean of cycles, (...) Pa, to the damage of each."""
+Harm: TypeAlias = Callable[[FloatArray, FloatArray, IntArray], FloatArray]
+"""From amplitude and mean of cycles (k, ...) Pa, at places numbered (k,), to damage of each."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +123,16 @@ def plane_directions(normals: ArrayLike, *, planes: int = PLANES) -> FloatArray:
     return np.cos(angle)[:, None] * u[:, None] + np.sin(angle)[:, None] * v[:, None]
 
 
+def in_surface(unit: ArrayLike, normals: ArrayLike) -> FloatArray:
+    """Return what unit stresses (m, c, 6) are in surfaces square to normals (m, 3), (m, 3, c) Pa.
+
+    The middle of Mohr's circle and the two legs of its radius: on a plane turned by φ normal stress
+    is the first, plus cos 2φ times the second, plus sin 2φ times the third.
+    """
+    one, up, other, down = np.moveaxis(on_planes(unit, plane_directions(normals, planes=4)), 1, 0)
+    return np.stack([one + other, one - other, up - down], axis=1) / 2
+
+
 def on_planes(unit: ArrayLike, directions: ArrayLike) -> FloatArray:
     """Return normal stress (m, planes, c) Pa of unit stresses (m, c, 6) along (m, planes, 3)."""
     x, y, z = np.moveaxis(np.asarray(directions, dtype=float), -1, 0)
@@ -130,16 +143,44 @@ def on_planes(unit: ArrayLike, directions: ArrayLike) -> FloatArray:
 def swings(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return mean and amplitude (m, planes) Pa of unit stresses (m, planes, c) under loads (t, c).
 
-    Of the whole history: its largest cycle.
+    Of the whole history: its largest cycle. Of a long one the moments that go farthest are asked
+    first, and all of them where one of the others may go farther.
     """
     every = stress.reshape(-1, stress.shape[-1])
-    found = np.empty((2, len(every)))
-    for rows in _chunks(len(every), len(loads), most=_NEAR):
-        history = loads @ every[rows].T  # moments in rows: extremes of many planes at once
-        top, low = history.max(axis=0), history.min(axis=0)
-        found[:, rows] = (top + low) / 2, (top - low) / 2
-    mean, amplitude = found.reshape(2, *stress.shape[:2])
-    return mean, amplitude
+    few, least = outermost(loads, np.sqrt(np.mean(every**2, axis=0)))
+    top, low = _ends(every, few)
+    middle = every @ loads.mean(axis=0)
+    left = np.flatnonzero(np.minimum(top - middle, middle - low) < least(every))
+    top[left], low[left] = _ends(every[left], loads) if len(left) else (0.0, 0.0)
+    return ((top + low) / 2).reshape(stress.shape[:2]), ((top - low) / 2).reshape(stress.shape[:2])
+
+
+def _ends(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the highest and lowest (m,) Pa of unit stresses (m, c) under loads (t, c)."""
+    top, low = np.empty((2, len(stress)))
+    for rows in _chunks(len(stress), len(loads)):
+        history = loads @ stress[rows].T  # moments in rows: extremes of many planes at once
+        top[rows], low[rows] = history.max(axis=0), history.min(axis=0)
+    return top, low
+
+
+def outermost(
+    loads: FloatArray, worth: FloatArray | float = 1.0
+) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    """Return the moments of loads (t, c) that lie farthest out, all of a short history.
+
+    And how far at most stresses (m, c) go from their mean in the others, (m,): by the spread of the
+    loads and the inequality of Cauchy and Schwarz.
+    """
+    if len(loads) <= 2 * _OUT:
+        return loads, lambda stress: np.full(len(stress), -np.inf)
+    scale = np.broadcast_to(np.asarray(worth, dtype=float), loads.shape[1:])
+    goes, size, ways = np.linalg.svd((loads - loads.mean(axis=0)) * scale, full_matrices=False)
+    far = np.linalg.norm(goes, axis=1)
+    order = np.argsort(-far)
+    spread = (size[:, None] * ways / np.where(scale > 0, scale, np.inf)).T
+    beyond = far[order[_OUT]]
+    return loads[order[:_OUT]], lambda stress: beyond * np.linalg.norm(stress @ spread, axis=1)
 
 
 @dataclass(frozen=True)
@@ -162,20 +203,24 @@ class Reach:
     cycles: FloatArray
 
     @property
-    def levels(self) -> Iterator[tuple[float, float]]:
+    def levels(self) -> tuple[tuple[float, float], ...]:
         """Shares of the reach, and how many cycles there may be of each."""
-        for k in np.flatnonzero(self.cycles).tolist():
-            yield (k + 1) / LEVELS, float(self.cycles[k])
+        return tuple(
+            ((k + 1) / LEVELS, float(self.cycles[k])) for k in np.flatnonzero(self.cycles).tolist()
+        )
 
     def swings(self, stress: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return mean and amplitude (...) Pa that harm as any cycle of stresses (..., c), or more.
+        """Return mean and amplitude (m,) Pa that harm as any cycle on any plane, or more.
 
-        No moment is higher or lower; and of cycles with one top the larger fares worse.
+        Of stresses (m, 3, c) `in_surface`. No moment is higher or lower on a plane; and of cycles
+        with one top the larger fares worse, of two as large the one about the higher mean.
         """
-        size = np.zeros(stress.shape[:-1])
+        size = np.zeros(len(stress))
         for axes in self.axes:
-            size += np.sqrt(((stress @ axes) ** 2).sum(axis=-1))
-        return stress @ self.middle, size
+            middle, *legs = np.moveaxis(stress @ axes, 1, 0)
+            size += np.linalg.norm(np.abs(middle) + np.hypot(*legs), axis=-1)
+        middle, *legs = np.moveaxis(stress @ self.middle, 1, 0)
+        return middle + np.hypot(*legs), size
 
 
 def reach(passes: FloatArray, worth: FloatArray | float = 1.0) -> Reach:
@@ -245,7 +290,7 @@ def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArr
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[:, None]
         mean, amplitude = swings(stress, farthest(np.concatenate(one.loads), worth))
-        rough += one.times * harm(more * amplitude, more * mean)
+        rough += one.times * harm(more * amplitude, more * mean, np.arange(len(stress)))
     return rough
 
 
@@ -294,7 +339,7 @@ def plane_damage(
     passes
         Histories of the loads; their damage adds up.
     harm
-        Damage of cycles: S-N curve and mean-stress correction.
+        Damage of cycles: S-N curve and mean-stress correction, of each place its own.
     closely
         Share of the worst place's damage below which the largest cycle alone is counted.
 
@@ -317,21 +362,22 @@ def plane_damage(
     exact = np.zeros(order.shape)
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[counts, None, None]
-        t = one.loads.shape[1]
-        for rows in _chunks(len(counts), order.shape[1] * t):
-            done = np.zeros((len(share[rows]), order.shape[1]))
-            for loads in one.loads:
-                signals = (more[rows] * share[rows] @ loads.T).reshape(-1, t)
-                each = harm(*counted(signals)).sum(axis=1)
-                done = np.maximum(done, each.reshape(done.shape))
-            exact[rows] += one.times * done
+        many, t, _ = one.loads.shape
+        for rows in _chunks(len(counts), order.shape[1] * many * t, least=_ABREAST):
+            signals = more[rows] * share[rows] @ np.concatenate(one.loads).T
+            amplitude, mean = (
+                v.reshape(len(signals), -1, many, v.shape[1])
+                for v in counted(signals.reshape(-1, t))
+            )
+            each = harm(amplitude, mean, counts[rows])
+            exact[rows] += one.times * each.sum(axis=-1).max(axis=-1)
     damage[counts] = exact.max(axis=1, initial=0.0)
     picked = exact.argmax(axis=1)
     best[counts] = np.take_along_axis(order, picked[:, None], axis=1)[:, 0]
     return damage, directions[np.arange(len(best)), best]
 
 
-def _chunks(count: int, width: int, *, most: int = _CHUNK) -> list[slice]:
-    """Return slices of `count` rows that hold no more than `most` numbers."""
-    step = max(1, most // max(width, 1))
+def _chunks(count: int, width: int, *, least: int = 1) -> list[slice]:
+    """Return slices of `count` rows that hold no more numbers than stay near a processor."""
+    step = max(least, _NEAR // max(width, 1))
     return [slice(k, k + step) for k in range(0, count, step)]

@@ -369,10 +369,11 @@ def _round_the_turn(
     if once is not None:
         theta = 2 * np.pi * np.arange(2 * SAMPLES) / (2 * SAMPLES)
         round_ = np.stack([np.zeros_like(theta), np.cos(theta), np.sin(theta)], axis=-1)
-        # Nobody knows where the heavy spot is: each of eight places is tried.
-        starts = [np.roll(round_, 2 * SAMPLES // 8 * j, axis=0) for j in range(8)]
+        # Nobody knows where the heavy spot is: each of eight places is tried. Those opposite are
+        # the same half a turn later, when all else has come back.
+        starts = [np.roll(round_, 2 * SAMPLES // 8 * j, axis=0) for j in range(4)]
         peak = np.concatenate([turn + once * start for start in starts])
-        yield Case(state, _history(peak, weight), 1.0, second, places=8, what="peak")
+        yield Case(state, _history(peak, weight), 1.0, second, places=len(starts), what="peak")
 
 
 def duty_of(bracket: Bracket, response: Response) -> dict[Occasion, list[tuple[float, Case]]]:
