@@ -27,8 +27,11 @@ _NOTHING, _ORDERS = 1e-6, 4
 """Share of the largest wave below which one is none; and how many are few."""
 _STEPS, _ROUGHLY = 200, 0.01
 """Of the search for an ellipsoid at most; and how near it is enough."""
-_NEAR = 200_000
-"""Numbers that stay near a processor: extremes of few moments are found five times as fast."""
+_NEAR, _CHUNK = 200_000, 4_000_000
+"""Numbers that stay near a processor: extremes of few moments are found five times as fast. And
+numbers held at once of a long history, whose moments are counted one by one."""
+_LONG = 1000
+"""Moments of a long history."""
 
 Harm: TypeAlias = Callable[[FloatArray, FloatArray, IntArray], FloatArray]
 """From amplitude and mean of cycles (k, ...) Pa, at places numbered (k,), to damage of each."""
@@ -308,7 +311,8 @@ def plane_damage(
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[counts, None, None]
         many, t, _ = one.loads.shape
-        for rows in _chunks(len(counts), order.shape[1] * many * t):
+        width, held = order.shape[1] * many * t, _CHUNK if t > _LONG else _NEAR
+        for rows in _chunks(len(counts), width, most=held):
             signals = more[rows] * share[rows] @ np.concatenate(one.loads).T
             amplitude, mean = (
                 v.reshape(len(signals), -1, many, v.shape[1])
@@ -322,7 +326,7 @@ def plane_damage(
     return damage, directions[np.arange(len(best)), best]
 
 
-def _chunks(count: int, width: int) -> list[slice]:
-    """Return slices of `count` rows that hold no more numbers than stay near a processor."""
-    step = max(1, _NEAR // max(width, 1))
+def _chunks(count: int, width: int, *, most: int = _NEAR) -> list[slice]:
+    """Return slices of `count` rows that hold no more than `most` numbers."""
+    step = max(1, most // max(width, 1))
     return [slice(k, k + step) for k in range(0, count, step)]
