@@ -242,6 +242,17 @@ def test_of_a_long_history_no_moment_is_missed(seed):
     assert beyond.sum(axis=-1).max() <= len(few)
 
 
+def test_one_hard_pull_does_not_hide_the_many_that_tire_another_plane():
+    """A cycle of 100 MPa along x and 5000 of 60 along y: counted across x alone it was 310 times less."""
+    unit, loads = np.zeros((1, 2, 6)), np.zeros((1, 20_000, 2))
+    unit[0, [0, 1], [0, 1]] = 1.0
+    loads[0, :, 1] = 60e6 * np.sin(np.pi / 2 * np.arange(20_000))
+    loads[0, :4, 0] = 0, 100e6, 0, -100e6
+    damage, way = plane_damage(unit, [[0, 0, 1.0]], [Pass(loads)], harm=harm)
+    assert damage == pytest.approx(5000 * CURVE.damage(np.array([60e6])), rel=1e-3)
+    assert np.abs(way) == pytest.approx(np.array([[0, 1, 0]]), abs=1e-9)
+
+
 def test_loads_that_stand_still_swing_nothing():
     held = reach(np.array([[[1.0, 2.0]]]))
     mean, amplitude = held.swings(np.array([[[3.0, 4.0], [0, 0], [0, 0]]]))

@@ -21,20 +21,20 @@ _MOST = 3
 how far stress swings."""
 CLOSELY = 1e-3
 """Share of the worst damage below which the largest cycle alone is counted."""
-_BEST = 3
-"""Planes of a place that are counted closely."""
+_BEST, _TURN = 3, 256
+"""Planes of a place that are counted closely, those of the largest cycle; and moments above which a
+pass is more than a turn of a shaft, and those of its root mean square are counted too."""
 _NOTHING, _ORDERS = 1e-6, 4
 """Share of the largest wave below which one is none; and how many are few."""
 LEVELS = 16
 """Shares of a reach by which cycles are told apart."""
 _STEPS, _ROUGHLY = 200, 0.01
 """Of the search for an ellipsoid at most; and how near it is enough."""
-_OUT = 1000
-"""Moments of a long history of which extremes are asked first."""
-_ABREAST = 16
-"""Places at least whose cycles are counted at once: a long history takes as many steps for one."""
-_NEAR = 200_000
-"""Numbers that stay near a processor: extremes of few moments are found five times as fast."""
+_NEAR, _CHUNK = 200_000, 4_000_000
+"""Numbers that stay near a processor: extremes of few moments are found five times as fast. And
+numbers held at once of a long history, whose moments are counted one by one."""
+_LONG = 1000
+"""Moments of a long history."""
 
 Harm: TypeAlias = Callable[[FloatArray, FloatArray, IntArray], FloatArray]
 """From amplitude and mean of cycles (k, ...) Pa, at places numbered (k,), to damage of each."""
@@ -294,6 +294,20 @@ def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArr
     return rough
 
 
+def _steady(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
+    """Return damage (m, planes) as if all cycles had the root mean square: of a wave what it is."""
+    found = np.zeros(stress.shape[:2])
+    for one in passes:
+        loads = np.concatenate(one.loads)
+        more = np.broadcast_to(one.scale, len(stress))[:, None]
+        spread = np.atleast_2d(np.cov(loads.T, bias=True))
+        size = np.sqrt(2 * np.maximum(((stress @ spread) * stress).sum(axis=-1), 0.0))
+        cycles = max(one.loads.shape[1] / _TURN, 1.0)
+        mean = stress @ loads.mean(axis=0)
+        found += one.times * cycles * harm(more * size, more * mean, np.arange(len(stress)))
+    return found
+
+
 def farthest(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
     """Return the moments of loads (t, c), each worth so much stress (c,), that go farthest.
 
@@ -351,19 +365,23 @@ def plane_damage(
     """
     directions = plane_directions(normals)
     stress = on_planes(unit, directions)
-    rough = _largest(stress, passes, harm)
-    damage = rough.max(axis=1)
+    told = [rough := _largest(stress, passes, harm)]
+    # One hard pull one way may hide the many that tire another.
+    if any(p.loads.shape[1] > _TURN for p in passes):
+        told.append(_steady(stress, passes, harm))
+    damage = np.max(told, axis=(0, 2))
     best = rough.argmax(axis=1)
     # What breaks at once does endless damage, and no share of that is a number.
     least = closely * damage.max(initial=0.0) if closely else 0.0
     counts = np.flatnonzero(damage > least)
-    order = np.argsort(-rough[counts], axis=1)[:, :_BEST]
+    order = np.concatenate([np.argsort(-v[counts], axis=1)[:, :_BEST] for v in told], axis=1)
     share = np.take_along_axis(stress[counts], order[..., None], axis=1)
     exact = np.zeros(order.shape)
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[counts, None, None]
         many, t, _ = one.loads.shape
-        for rows in _chunks(len(counts), order.shape[1] * many * t, least=_ABREAST):
+        width, held = order.shape[1] * many * t, _CHUNK if t > _LONG else _NEAR
+        for rows in _chunks(len(counts), width, most=held):
             signals = more[rows] * share[rows] @ np.concatenate(one.loads).T
             amplitude, mean = (
                 v.reshape(len(signals), -1, many, v.shape[1])
@@ -377,7 +395,7 @@ def plane_damage(
     return damage, directions[np.arange(len(best)), best]
 
 
-def _chunks(count: int, width: int, *, least: int = 1) -> list[slice]:
-    """Return slices of `count` rows that hold no more numbers than stay near a processor."""
-    step = max(least, _NEAR // max(width, 1))
+def _chunks(count: int, width: int, *, most: int = _NEAR) -> list[slice]:
+    """Return slices of `count` rows that hold no more than `most` numbers."""
+    step = max(1, most // max(width, 1))
     return [slice(k, k + step) for k in range(0, count, step)]
