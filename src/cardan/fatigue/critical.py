@@ -34,7 +34,7 @@ _NEAR, _CHUNK = 200_000, 4_000_000
 """Numbers that stay near a processor: extremes of few moments are found five times as fast. And
 numbers held at once of a long history, whose moments are counted one by one."""
 _LONG = 1000
-"""Moments of a long history."""
+"""Moments of a long history; and of one twice as long those of which extremes are asked first."""
 
 Harm: TypeAlias = Callable[[FloatArray, FloatArray, IntArray], FloatArray]
 """From amplitude and mean of cycles (k, ...) Pa, at places numbered (k,), to damage of each."""
@@ -172,15 +172,15 @@ def outermost(
     And how far at most stresses (m, c) go from their mean in the others, (m,): by the spread of the
     loads and the inequality of Cauchy and Schwarz.
     """
-    if len(loads) <= 2 * _OUT:
+    if len(loads) <= 2 * _LONG:
         return loads, lambda stress: np.full(len(stress), -np.inf)
     scale = np.broadcast_to(np.asarray(worth, dtype=float), loads.shape[1:])
     goes, size, ways = np.linalg.svd((loads - loads.mean(axis=0)) * scale, full_matrices=False)
     far = np.linalg.norm(goes, axis=1)
     order = np.argsort(-far)
     spread = (size[:, None] * ways / np.where(scale > 0, scale, np.inf)).T
-    beyond = far[order[_OUT]]
-    return loads[order[:_OUT]], lambda stress: beyond * np.linalg.norm(stress @ spread, axis=1)
+    beyond = far[order[_LONG]]
+    return loads[order[:_LONG]], lambda stress: beyond * np.linalg.norm(stress @ spread, axis=1)
 
 
 @dataclass(frozen=True)
