@@ -314,7 +314,7 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     )  # fmt: skip
     judged: Any = SimpleNamespace(
         outcomes=(outcome,), duty=(spent,), features=features, carried=np.array([50.0]),
-        frequencies=np.array([150.0]), forced=None,
+        frequencies=np.array([150.0]), forced=None, first_too_high=(0.02, 0.05),
     )  # fmt: skip
     limits = (
         Limit(quantity="bracket_stress_utilisation", maximum=0.6, source=MINER),
@@ -345,7 +345,7 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     # Up to 1.2 of the limit by its error: it passes, and may not.
     assert (sheet.within, toe.within) == ((0.45, 0.55), (0.6, 1.2))
     assert [(c.grade, c.may_be) for c in (sheet, toe)] == [("pass", "pass"), ("pass", "warn")]
-    assert "between 0.6 and 1.2 by the error" in place(toe, Language("en"))
+    assert "between 0.6 and 1.2 by the estimated error" in place(toe, Language("en"))
     for code, word in (
         ("en", "may warn"),
         ("pt", "pode ser um alerta"),
@@ -357,9 +357,12 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     assert check(toe)["may_be"] == "warn"
     # Rigidly carried: 50 Hz over twice 100 rad/s.
     assert (far.state, far.value) == ("highest speed", pytest.approx(50 / (2 * 100 / (2 * np.pi))))
+    # Elements are too stiff: by up to 5 % loaded, 2 % by itself, and never too soft.
+    assert far.within == pytest.approx((far.value / 1.05, far.value))
     soft = replace(answer, bracket=replace(answer.bracket, rubber=(1e5, 1e5, 1e5)))
     *_, own = checks_of(soft, judged, limits)
     assert own.value == pytest.approx(150 / (2 * 100 / (2 * np.pi)))
+    assert own.within == pytest.approx((own.value / 1.02, own.value))
     # The rubber of the bearing counts as that of the bracket: what rides on it is told over speed.
     judged.forced = object()
     *_, own = checks_of(answer, judged, limits)

@@ -202,8 +202,12 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
         # What rides on rubber swings by itself; what it rides on rigidly swings with it.
         on_rubber = of.bracket.rubber is not None or variant.forced is not None
         own = variant.frequencies if on_rubber else variant.carried
-        reached = SHAKEN * of.top_speed / (2 * np.pi)
-        yield _Value(Occasion("speed", TOP), Part("mode", 1, SHAKEN), float(own[0]) / reached)
+        alone, loaded = variant.first_too_high
+        ratio = float(own[0]) * 2 * np.pi / (SHAKEN * of.top_speed)
+        yield _Value(
+            Occasion("speed", TOP), Part("mode", 1, SHAKEN), ratio,
+            within=(ratio / (1 + (alone if on_rubber else loaded)), ratio),
+        )  # fmt: skip
 
 
 def _fatigue(variant: Judged) -> Iterator[_Value]:

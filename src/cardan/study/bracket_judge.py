@@ -303,6 +303,15 @@ class Judged:
         return self.solved.sliding.carried
 
     @property
+    def first_too_high(self) -> tuple[float, float]:
+        """Share by which the first frequency may be too high: by itself, and with what it carries.
+
+        What it carries weighs what it weighs: no more than half of the stiffness's own share.
+        """
+        of = self.solved.sliding
+        return float(of.too_high[0]) if len(of.too_high) else 0.0, float(of.too_stiff.max()) / 2
+
+    @property
     def shown(self) -> tuple[Feature, ...]:
         """The features that tables show."""
         return self.features[: self.listed]
