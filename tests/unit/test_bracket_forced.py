@@ -58,7 +58,7 @@ ALONG = seat(
 
 
 def test_a_bracket_that_is_soft_along_the_shaft_has_an_axial_mode(response):
-    """It was called lateral. One mass between two springs, by hand; no order of the joints meets it."""
+    """It was called lateral. One mass on two springs, by hand; no order of the joints meets it."""
     on = hung(response, truck().bracket, ALONG)
     modes, w = on.held.modes(), np.sqrt((60e3 + 150e3) / 4)
     k = modes.names(0).index("axial")

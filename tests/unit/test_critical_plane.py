@@ -243,7 +243,7 @@ def test_of_a_long_history_no_moment_is_missed(seed):
 
 
 def test_one_hard_pull_does_not_hide_the_many_that_tire_another_plane():
-    """A cycle of 100 MPa along x and 5000 of 60 along y: counted across x alone it was 310 times less."""
+    """A cycle of 100 MPa along x, 5000 of 60 along y: counted across x alone 310 times less."""
     unit, loads = np.zeros((1, 2, 6)), np.zeros((1, 20_000, 2))
     unit[0, [0, 1], [0, 1]] = 1.0
     loads[0, :, 1] = 60e6 * np.sin(np.pi / 2 * np.arange(20_000))

@@ -252,7 +252,7 @@ def test_the_command_writes_what_the_gauge_felt(told):
 
 
 def test_the_road_is_in_the_load_history_and_stays_when_the_line_is_changed(application):
-    """Three gauges, the generator's springs and a road of known force: 15 % rms of what it pushes."""
+    """Three gauges, the generator's springs, a road of known force: 15 % rms of what it pushes."""
     truth = replace(TRUE, mode=None, noise=0.0)
     one = shaken(truth, seconds=60.0, rate=500.0, seed=11)
     units = np.array([[0.5e3, 20e3, 4e3], [0.5e3, -20e3, 4e3], [0.1e3, 1e3, 25e3]])
@@ -280,7 +280,9 @@ def test_the_road_is_in_the_load_history_and_stays_when_the_line_is_changed(appl
         assert off < 0.15 * push
         assert off < 0.2 * np.std((alone - want)[inside, k])
     # Another line: its own joints' force, and the same road.
-    stiff = changed(application, {"driveline.shafts[1].centre_bearing.vertical_stiffness_N_mm": 400})
+    stiff = changed(
+        application, {"driveline.shafts[1].centre_bearing.vertical_stiffness_N_mm": 400}
+    )
     _, other = bearing_history(found, pieces, **how, application=stiff)
     _, joints = load_history(
         found, angle.rotation, drive["torque"], seconds=time[-1], rate=one.rate, application=stiff

@@ -68,7 +68,8 @@ class Units:
         known = set(self.elastic.mesh.GetBoundaries())
         parts = [[n for n in (b, b + WALL) if n in known] for b in self.solid.bolts]
         held = [np.any([self.elastic.dofs_on(n) for n in names], axis=0) for names in parts]
-        return np.stack([(left * on) @ rigid.T for on in held])
+        each = [(left * on) @ rigid.T for on in held]
+        return np.array(each).reshape(len(held), len(left), 3)  # a welded one has no bolts
 
     @cached_property
     def at_nodes(self) -> tuple[FloatArray, FloatArray]:

@@ -257,7 +257,8 @@ def _held(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return middle (c,) and axes (c, r) of about the smallest ellipsoid that holds points (t, c).
 
-    And how far each of them is (t,), 1 on its skin. Source: Khachiyan, Math. Oper. Res. 21 (1996) 307.
+    And how far each of them is (t,), 1 on its skin. Source: Khachiyan, Math. Oper. Res. 21 (1996)
+    307.
     """
     scale = np.broadcast_to(np.asarray(worth, dtype=float), points.shape[1:])
     mean = points.mean(axis=0)
@@ -317,9 +318,7 @@ def farthest(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
     return loads[np.unique([gone.argmin(axis=0), gone.argmax(axis=0)])]
 
 
-def along(
-    loads: FloatArray, worth: FloatArray | float = 1.0, *, alike: bool = True
-) -> FloatArray:
+def along(loads: FloatArray, worth: FloatArray | float = 1.0, *, alike: bool = True) -> FloatArray:
     """Return how far loads (t, c), each worth so much stress (c,), go, (t, ways).
 
     Along the three ways in which they vary most, and between them: a stress is nearly one of these.

@@ -22,7 +22,7 @@ from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.refine import LEVELS
 from cardan.bracket.shape import WALL
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
-from cardan.bracket.stress import envelope, extremes, moments, superpose, von_mises
+from cardan.bracket.stress import envelope, extremes, moments, superpose
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import (
     CLOSELY,
@@ -439,7 +439,7 @@ class _Way:
 
 
 class _Held(NamedTuple):
-    """Mean and amplitude (places,) Pa that harm as any cycle of a pass, and shares it has of them."""
+    """Mean and amplitude (places,) Pa that harm as any cycle of a pass; shares it has of them."""
 
     levels: tuple[tuple[float, float], ...]
     mean: FloatArray

@@ -5,9 +5,9 @@ bearing: that of the line as it was identified is taken off, that of the changed
 the same torque and speed is put on, each through the stress that a unit force was found to make
 at the gauge. Held against a multibody engine that drives the changed line: `docs/case.md`.
 
-The force on the bearing (`bearing_history`) is told the same way: the joints' by the line, the rest read
-back from the gauges. By the joints alone a bend whose joints are cured was promised 31 000 hours where it
-has 10 440: at a slope of 9 a little road on top of little left of order 2 counts three times.
+The force on the bearing (`bearing_history`) is told the same way: the joints' by the line, the rest
+read back from the gauges. By the joints alone a bend whose joints are cured was promised 31 000
+hours where it has 10 440: at a slope of 9 a little road on what is left of order 2 counts thrice.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
