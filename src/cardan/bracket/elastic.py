@@ -276,9 +276,12 @@ class Elastic:
         found = np.empty_like(loads)
         free = self.free_dofs
         for case in np.ndindex(loads.shape[:-1]):
-            left = loads[case] * free
+            found[case] = self._times(self.inverse, loads[case] * free)
+        if self._balances(found, loads):
+            return found
+        for case in np.ndindex(loads.shape[:-1]):
             size = max(float(np.linalg.norm(loads[case])), 1e-300)
-            u = self._times(self.inverse, left)
+            u = found[case]
             for _ in range(2):
                 left = (loads[case] - self.residual(u)) * free
                 if np.linalg.norm(left) <= _BALANCED * size:
@@ -295,8 +298,19 @@ class Elastic:
                     "Pick bolt faces that keep it from moving and turning"
                 )
                 raise NotConverged(msg)
-            found[case] = u
         return found
+
+    def _balances(self, found: FloatArray, loads: FloatArray) -> bool:
+        """Whether displacements (..., unknowns) balance their loads, told by one sum of them all.
+
+        Each load as large as the others, its sign by chance: what they miss does not cancel.
+        """
+        each, u = (v.reshape(-1, v.shape[-1]) for v in (loads, found))
+        size = np.linalg.norm(each, axis=1)
+        sign = np.random.default_rng(1).choice([-1.0, 1.0], len(each))
+        share = sign / np.where(size > 0, size, np.inf)
+        missed = (share @ each - self.residual(share @ u)) * self.free_dofs
+        return float(np.linalg.norm(missed)) <= _BALANCED
 
     def _times(self, matrix: Any, vector: FloatArray) -> FloatArray:
         """Return a matrix of the engine times a vector (unknowns,)."""
@@ -458,12 +472,15 @@ class Elastic:
         read, material = self._gradients(rule), self.material
         return lambda displacements: stress_of_gradients(read(displacements), material)
 
-    def _gradients(self, rule: Any) -> Callable[[FloatArray], FloatArray]:
+    def _gradients(
+        self, rule: Any, carry: FloatArray | None = None
+    ) -> Callable[[FloatArray], FloatArray]:
         """Return what reads gradients (elements, q, 3, c, 3) 1 of displacements (c, unknowns).
 
         The first three are the directions in which, the last the displacements that change.
-        Those of the shape functions are known once, and multiply all vectors together. What is
-        returned does not hold on to the factors.
+        Those of the shape functions are known once, and multiply all vectors together; carried on
+        from the rule's points to others, where weights (others, q) say so. What is returned does
+        not hold on to the factors.
         """
         ngs = engine().ngs
         functions, kinds, ways = self._functions
@@ -476,6 +493,9 @@ class Elastic:
             for q, p in enumerate(rule):
                 D = np.array(way.CalcDShape(*p.point))
                 each[mine, q] = np.tensordot(inverse[mine, q], D, axes=(1, 1))
+        if carry is not None:
+            q = each.shape[1]
+            each = (carry @ each.reshape(len(each), q, -1)).reshape(-1, len(carry), *each.shape[2:])
         shape = each.shape[:3]
         each = each.reshape(len(functions), -1, functions.shape[1])
 
@@ -494,17 +514,11 @@ class Elastic:
         """
         if self.degree > 2:
             return self._gradients(_nodal_rule())
-        read = self._gradients(engine().ngs.IntegrationRule([*map(tuple, _INSIDE)], [0.0] * 4))
         nodes = np.array([p.point for p in _nodal_rule()])
         flat = np.column_stack([np.ones(4), _INSIDE])
         carry = np.column_stack([np.ones(len(nodes)), nodes]) @ np.linalg.inv(flat)
-
-        def carried(displacements: FloatArray) -> FloatArray:
-            inside = read(displacements)
-            at = carry @ inside.reshape(*inside.shape[:2], -1)
-            return at.reshape(len(at), len(nodes), *inside.shape[2:])
-
-        return carried
+        inside = engine().ngs.IntegrationRule([*map(tuple, _INSIDE)], [0.0] * 4)
+        return self._gradients(inside, carry)
 
     @cached_property
     def _functions(self) -> tuple[IntArray, IntArray, list[Any]]:

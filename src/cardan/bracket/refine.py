@@ -98,7 +98,8 @@ class Solution:
     Attributes
     ----------
     displacements : (c, unknowns)
-    at_nodes : (n, c, 3) m, (n, c, 6) Pa
+    stress : (n, c, 6) Pa
+        At the nodes.
     unit : (places, c, 6) Pa
         Stress at the places where fatigue is asked.
     """
@@ -106,7 +107,7 @@ class Solution:
     elastic: Elastic
     loads: FloatArray
     displacements: FloatArray
-    at_nodes: tuple[FloatArray, FloatArray]
+    stress: FloatArray
     zones: Zones
     unit: FloatArray
 
@@ -170,10 +171,10 @@ def _under(problem: Problem, body: Elastic, loads: FloatArray, *, tell: Progress
     """Solve for load vectors (c, unknowns), and read stress where fatigue is asked."""
     tell(f"solving for {len(loads)} loads")
     displacements = body.solve(loads)
-    at_nodes = body.at_nodes(displacements)
+    stress = body.stress_at_nodes(displacements)
     zones = zones_of(body.nodes, held=problem.clamps, thickness=problem.thickness)
-    unit = zones.stress(body.nodes, at_nodes[1])
-    return Solution(body, loads, displacements, at_nodes, zones, unit)
+    unit = zones.stress(body.nodes, stress)
+    return Solution(body, loads, displacements, stress, zones, unit)
 
 
 def refined(
@@ -251,7 +252,7 @@ def refined(
         features=tuple(looks[-1].off),
         error=_of_features(tops, looks[-1].off, weight),
         tops=tuple(tops),
-        watched=drawn.of(ways[0].elastic.nodes, ways[0].at_nodes[1]),
+        watched=drawn.of(ways[0].elastic.nodes, ways[0].stress),
         watched_error=_share(np.maximum(_drift(watched), looks[-1].off_watched), watched),
     )
 
@@ -386,7 +387,7 @@ class _Field:
     @classmethod
     def of(cls, found: Solution, combos: FloatArray) -> "_Field":
         """Return the field of a solution under loads (k, c)."""
-        moved_by, smooth = combos @ found.displacements, superpose(found.at_nodes[1], combos)
+        moved_by, smooth = combos @ found.displacements, superpose(found.stress, combos)
         level = von_mises(superpose(found.unit, combos))
         features, highest, where = found.zones.features, *_tops(found.zones, level)
         return cls(
