@@ -553,7 +553,7 @@ class Elastic:
         owners = order // self.nodes.elements.shape[1]
         return lambda n: owners[ends[n] : ends[n + 1]]
 
-    def modes(self, count: int, *, rider: "Rider | None" = None) -> tuple[FloatArray, FloatArray]:
+    def modes(self, count: int) -> tuple[FloatArray, FloatArray]:
         """Natural frequencies (count,) Hz and mode shapes (count, unknowns), from the same factor.
 
         Lanczos on the inverse of the stiffness. Shapes have unit modal mass. Frequencies are
@@ -562,56 +562,27 @@ class Elastic:
         from scipy.sparse.linalg import LinearOperator, eigsh
 
         free = np.flatnonzero(self.free_dofs)
-        n, more = len(free), 0 if rider is None else 3
-        shape = (n + more, n + more)
         whole = np.zeros(self.unknowns)
 
         def solved(x: FloatArray) -> FloatArray:
-            whole[free] = x
+            whole[free] = x.ravel()
             return self._times(self.inverse, whole)[free]
 
         def weighed(x: FloatArray) -> FloatArray:
-            whole[free] = x
+            whole[free] = x.ravel()
             return self.inert(whole)[free]
 
-        seat = None if rider is None else rider.seat[:, free]
-
-        def inverse(x: FloatArray) -> FloatArray:
-            x = x.ravel()
-            if rider is None or seat is None:
-                return solved(x)
-            # The spring carries all that acts on the rider, so the seat feels it too.
-            u = solved(x[:n] + x[n:] @ seat)
-            return np.concatenate([u, seat @ u + rider.compliance * x[n:]])
-
-        def mass(x: FloatArray) -> FloatArray:
-            x = x.ravel()
-            own = weighed(x[:n])
-            return own if rider is None else np.concatenate([own, rider.mass * x[n:]])
-
-        M = LinearOperator(shape, matvec=mass, dtype=float)
-        inv = LinearOperator(shape, matvec=inverse, dtype=float)
-        start = np.random.default_rng(1).standard_normal(n + more)
+        shape = (len(free), len(free))
+        M = LinearOperator(shape, matvec=weighed, dtype=float)
+        inv = LinearOperator(shape, matvec=solved, dtype=float)
+        start = np.random.default_rng(1).standard_normal(len(free))
         squares, vectors = eigsh(
             M, k=count, M=M, sigma=0.0, OPinv=inv, v0=start, ncv=3 * count // 2 + 5, tol=1e-5
         )
         order = np.argsort(squares)
         shapes = np.zeros((count, self.unknowns))
-        shapes[:, free] = vectors[:n, order].T
+        shapes[:, free] = vectors[:, order].T
         return np.sqrt(squares[order]) / (2 * np.pi), shapes
-
-
-@dataclass(frozen=True)
-class Rider:
-    """A mass that rides on the seat, through springs or rigidly.
-
-    `seat` (3, unknowns) are the load vectors of unit forces on the seat along x, y, z,
-    `compliance` (3,) m/N that of the springs, 0 where rigid; `mass` in kg.
-    """
-
-    seat: FloatArray
-    compliance: FloatArray
-    mass: float
 
 
 def shape_functions(reference: FloatArray) -> FloatArray:

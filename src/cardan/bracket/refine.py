@@ -45,6 +45,9 @@ _MOMENTS = 24
 """Of a history, by which loads are compared."""
 _TWICE = 2
 """Meshes in which the tops are made finer whatever elements say: two steps tell a trend."""
+_GREW = 1.1
+"""Times as many unknowns as the mesh before, below which the next would be such another: what still
+moves is where its nodes came to lie."""
 _HIGHER = 1.05
 """Times a sliding flange's top, above which a feature is followed as the clamped one makes it."""
 _HALF, _TOP = 0.55, 0.95
@@ -215,6 +218,7 @@ def refined(
     weight = np.asarray(weights, dtype=float)
     both, follow = bool(problem.firm), True
     ways: list[Solution] = []
+    sizes: list[int] = []
     for level in range(levels):
         tell("meshing" if level == 0 else f"mesh {level + 1}, finer where it is worst")
         made = mesh(
@@ -225,6 +229,7 @@ def refined(
             break
         ways.clear()  # nothing else holds on to them: their factors go before the next are made
         ways.append(solution(problem, made, tell=tell))
+        sizes.append(ways[0].elastic.unknowns)
         if level == 0:
             combos = telling(ways[0].unit, cases)
             if seen:
@@ -235,7 +240,9 @@ def refined(
         looks.append(_look(problem, ways, combos, weight, points, before=looks))
         if both and level == 0:
             follow = looks[0].firm_matters
-        if not looks[-1].finer or (
+        if not looks[-1].finer or (level >= _TWICE and sizes[-1] < _GREW * sizes[-2]):
+            break
+        if (
             level >= _TWICE
             and _settled([look.tops for look in looks], weight)
             and (not len(points) or looks[-1].moved.max() <= _STILL)

@@ -378,7 +378,8 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     read = influence(every, task.gauges)
     carried = alone
     if task.carried_mass > 0:
-        carried, _ = units.modes(MODES if many else 2, mass=task.carried_mass, rubber=task.rubber)
+        carried = units.carried(alone, shapes, mass=task.carried_mass, rubber=task.rubber)
+        carried = carried if many else carried[:2]
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
