@@ -35,6 +35,8 @@ _INSIDE = (5 - 5**0.5) / 20 + _CORNERS / 5**0.5
 _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # the order of VTK and Abaqus
 
 
+QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+"""Of a six-node triangle its nodes."""
 _BALANCED = 1e-8
 """Equilibrium that is missed by less, as a share of the load: displacements are right to 1e-9."""
 _STILL = 1e-9
@@ -137,6 +139,14 @@ class Nodes:
     def surface(self) -> IntArray:
         """Numbers of the nodes on the surface."""
         return np.unique(self.faces)
+
+    @cached_property
+    def quarters(self) -> tuple[FloatArray, Any]:
+        """Corners (4 f, 3, 3) m of the flat quarters of its triangles, and a tree of their middles."""
+        from scipy.spatial import cKDTree
+
+        flat = self.points[self.faces[:, QUARTERS].reshape(-1, 3)]
+        return flat, cKDTree(flat.mean(axis=1))
 
 
 @dataclass(frozen=True)
