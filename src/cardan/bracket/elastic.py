@@ -142,7 +142,7 @@ class Nodes:
 
     @cached_property
     def quarters(self) -> tuple[FloatArray, Any]:
-        """Corners (4 f, 3, 3) m of the flat quarters of its triangles, and a tree of their middles."""
+        """Corners (4 f, 3, 3) m of flat quarters of its triangles, and a tree of their middles."""
         from scipy.spatial import cKDTree
 
         flat = self.points[self.faces[:, QUARTERS].reshape(-1, 3)]
