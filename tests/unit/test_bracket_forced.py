@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.base.units import g
 from cardan.fatigue.rainflow import rainflow, repeating, turns
 from cardan.model.seat import seat
+from cardan.report.language import Language
 from cardan.study.approval import assess
 from cardan.study.bracket import cases_of, duty_of, recorded
 from cardan.study.bracket_forced import amplitude, hung, on_rubber, swept
@@ -46,6 +48,33 @@ def test_rubber_and_bracket_in_series_are_what_the_driveline_says(response):
     # So the slowest modes are those of the check, but for the mass of the bracket.
     both = (r.held.frequencies()[0, :4] for r in (on, response))
     assert next(both) == pytest.approx(next(both), rel=1e-3)
+
+
+ALONG = seat(
+    np.diag([1 / 60e3, 1 / 0.8e6, 1 / 4e6]), frequencies=[np.sqrt(60e3 / 4)],
+    motion=[[0.5, 0, 0]], inertia=np.diag([4 / 60e3**2, 0, 0]),
+)  # fmt: skip
+"""4 kg on 60 N/mm along the shaft: with 150 N/mm of rubber, which the shaft holds still."""
+
+
+def test_a_bracket_that_is_soft_along_the_shaft_has_an_axial_mode(response):
+    """It was called lateral. One mass on two springs, by hand; no order of the joints meets it."""
+    on = hung(response, truck().bracket, ALONG)
+    modes, w = on.held.modes(), np.sqrt((60e3 + 150e3) / 4)
+    k = modes.names(0).index("axial")
+    assert modes.frequency[0, k] == pytest.approx(w, rel=2e-3)
+    assert modes.bracket[0, k] == pytest.approx(60 / 210, rel=0.01)
+    assert sorted(modes.names(0)[:4]) == ["bounce", "lateral", "pitch", "yaw"]
+    assert [Language(code)("axial") for code in ("pt", "it")] == ["axial", "assiale"]
+    of = swept(on, 1)
+    q = np.abs(of.speed - w / 2).argmin()
+    assert np.nanmax(np.abs(of.waves[:, q, 1, 0])) < 0.01 * np.nanmax(np.abs(of.waves[:, :, 1, 2]))
+    states = len(on.demand.states)
+    spots = SimpleNamespace(torque=np.zeros((states, 1)), speed=np.full((states, 1), w / 2))
+    assert on.met(spots)[0] == [None]
+    lateral = modes.frequency[0, modes.names(0).index("lateral")]
+    spots.speed[:] = lateral / 2
+    assert on.met(spots)[0][0].shape == "lateral"
 
 
 def test_the_bracket_s_own_rubber_is_in_series_with_it(response):

@@ -53,7 +53,7 @@ def judged(name: str, wear: float = 1.0) -> Judged:
     held = SimpleNamespace(
         compliance=np.diag([1e-7] * 6), influence=np.full((1, 9), 1e-7),
         frequencies=np.full(6, 310.5), carried=np.full(6, 60.25),
-        too_stiff=np.array([0.031, 0.012, 0.02]),
+        too_stiff=np.array([0.031, 0.012, 0.02]), too_high=np.full(6, 0.01),
     )  # fmt: skip
     solved = SimpleNamespace(
         unknowns=72705, mass=1.25, sliding=held, clamped=held, influence_change=0.012,
@@ -168,6 +168,20 @@ def test_what_the_brackets_terminal_says():
     assert "bolt 1: 1 face, 300,0 mm²" in portuguese
     assert "bolt 1: 1 faccia, 300,0 mm²" in told("it", "original")
     assert "O que o reforço muda" not in portuguese
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_the_hours_of_all_places_are_told_as_such(code):
+    """One place had two lives: its own, and those between which the first of all places fails."""
+    say, settled = Language(code), approved("original")
+    (v,) = settled.findings[0].answer.variants
+    places, lives = bare(terminal(settled, say, width=400)).split(say("damage per turn"))
+    first = say("hours to the first failure")
+    assert first != say("hours")
+    assert first not in places
+    assert first in lives
+    assert first in bracket_chapter._damage(v, say).head
+    assert first not in bracket_chapter._features(v, say).head
 
 
 @pytest.mark.parametrize("code", CODES)

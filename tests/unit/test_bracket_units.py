@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from brackets import BRACKET, LINE
 from click.testing import CliRunner
+from scipy.sparse.linalg import LinearOperator, eigsh
 
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import mm
@@ -363,7 +364,7 @@ def test_two_ways_of_holding_have_what_lies_between_them():
 def test_a_mass_on_soft_rubber_rings_as_a_spring(units):
     """The rubber and the bracket in series: w² = 1 / (m (1/k + c)), one mode each way."""
     m, k = 20.0, np.array([150e3, 300e3, 250e3])
-    found, _ = units.modes(3, mass=m, rubber=k)
+    found = units.carried(*units.modes(3), mass=m, rubber=k)
     series = 1 / (1 / k + np.diag(units.compliance)[:3])
     assert found == pytest.approx(np.sort(np.sqrt(series / m)) / (2 * np.pi), rel=5e-3)
 
@@ -371,9 +372,49 @@ def test_a_mass_on_soft_rubber_rings_as_a_spring(units):
 def test_a_heavy_rigid_mass_rings_on_the_bracket(units):
     """A mass much heavier than the bracket: w² = 1 / (m c) in its softest direction."""
     m = 500.0
-    found, _ = units.modes(1, mass=m)
+    found = units.carried(*units.modes(1), mass=m)
     softest = np.linalg.eigvalsh(units.compliance[:3, :3]).max()
     assert found[0] == pytest.approx(np.sqrt(1 / (m * softest)) / (2 * np.pi), rel=5e-3)
+
+
+@pytest.mark.parametrize(("rubber", "to"), [((150e3, 3e6, 8e6), 1e-8), (None, 2e-5)])
+def test_what_a_bracket_carries_rings_as_both_together_do(units, rubber, to):
+    """Lanczos on bracket and rider as one, against Ritz from the modes of the bracket alone."""
+    body, seat, m = units.elastic, units.loads[:3], 3.0
+    give = np.zeros(3) if rubber is None else 1 / np.array(rubber)
+    n = body.unknowns
+
+    def inverse(x):
+        u = body._times(body.inverse, (x[:n] + x[n:] @ seat) * body.free_dofs)
+        return np.concatenate([u, seat @ u + give * x[n:]])
+
+    def mass(x):
+        return np.concatenate([body.inert(x[:n] * body.free_dofs), m * x[n:]])
+
+    shape = (n + 3, n + 3)
+    squares = eigsh(
+        LinearOperator(shape, matvec=mass, dtype=float), k=6, sigma=0.0, tol=1e-8,
+        M=LinearOperator(shape, matvec=mass, dtype=float),
+        OPinv=LinearOperator(shape, matvec=inverse, dtype=float),
+        v0=np.random.default_rng(2).standard_normal(n + 3) * np.append(body.free_dofs, [1] * 3),
+        return_eigenvectors=False,
+    )  # fmt: skip
+    together = np.sort(np.sqrt(squares)) / (2 * np.pi)
+    found = units.carried(*units.modes(6), mass=m, rubber=rubber)
+    assert found == pytest.approx(together, rel=to)
+
+
+def test_a_mesh_that_hardly_grew_is_the_last(monkeypatch):
+    """Another of its size would only lay its nodes elsewhere: three in place of four."""
+    side = np.zeros((1, 9))
+    side[0, 1] = 1000.0
+    asked = replace(problem(), size=20 * mm)
+    monkeypatch.setattr(refine, "_settled", lambda *_: False)
+    meshes = []
+    for grew in (1.0, 99.0):
+        monkeypatch.setattr(refine, "_GREW", grew)
+        meshes.append(len(refined(asked, cases=[side]).tops))
+    assert meshes == [4, 3]
 
 
 def areas(made):

@@ -8,10 +8,13 @@ from hypothesis import strategies as st
 from cardan.fatigue.critical import (
     Pass,
     counted,
+    in_surface,
     on_planes,
+    outermost,
     plane_damage,
     plane_directions,
     reach,
+    swings,
 )  # fmt: skip
 from cardan.fatigue.detail import at_knee, ratio_bonus, roughness_factor, sheet_amplitude
 from cardan.fatigue.rainflow import rainflow, repeating
@@ -20,7 +23,7 @@ from cardan.fatigue.strength import SNCurve
 CURVE = SNCurve(amplitude=100e6, cycles=1e6, slope=5).modified()
 
 
-def harm(amplitude, _mean):
+def harm(amplitude, _mean, _at):
     return CURVE.damage(amplitude)
 
 
@@ -64,7 +67,7 @@ def test_shear_counts_at_45_degrees_and_histories_add_on_one_plane():
     together, _ = plane_damage(unit, [[0, 0, 1]], [Pass(shear), Pass(pull)], harm=harm)
     angles = plane_directions([[0, 0, 1]])
     each = np.abs(on_planes(unit, angles))[0]
-    by_hand = (harm(each[:, 0], 0) + harm(each[:, 1], 0)).max()
+    by_hand = (harm(each[:, 0], 0, 0) + harm(each[:, 1], 0, 0)).max()
     assert together == pytest.approx([by_hand], rel=1e-9)
     assert together[0] < 2e-6  # not the worst plane of each
 
@@ -86,8 +89,8 @@ def test_harmless_places_are_counted_by_their_largest_cycle():
     damage, _ = plane_damage(unit, [[0, 0, 1]] * 2, [Pass(beat[None, :, None])], harm=harm)
     amplitude, _ = counted(150e6 * beat[None])
     assert (amplitude > 0).sum() > 1
-    assert damage[0] == pytest.approx(harm(amplitude, 0).sum(), rel=1e-9)
-    assert damage[1] == pytest.approx(harm(20e6 * np.ptp(beat) / 2, 0), rel=0.1)
+    assert damage[0] == pytest.approx(harm(amplitude, 0, 0).sum(), rel=1e-9)
+    assert damage[1] == pytest.approx(harm(20e6 * np.ptp(beat) / 2, 0, 0), rel=0.1)
 
 
 def test_the_directions_lie_in_the_surface():
@@ -153,39 +156,108 @@ def histories(seed, kind):
 @pytest.mark.parametrize("kind", ["orders", "road"])
 @pytest.mark.parametrize("seed", range(5))
 def test_no_stress_leaves_what_holds_its_loads(kind, seed):
-    """Of 4000 sums of loads, moment by moment: nothing is left out, and not much is added."""
+    """Of 400 places, by 180 planes and moment by moment: nothing is left out, and little added."""
     passes = histories(seed, kind)
     held = reach(passes, np.array([1, 2, 0.5, 1, 1]))
-    stress = np.random.default_rng(99 + seed).normal(size=(4000, 5))
-    mean, amplitude = held.swings(stress)
-    moments = passes.reshape(-1, 5) @ stress.T
-    assert (moments.max(axis=0) <= mean + amplitude * (1 + 1e-9)).all()
-    assert (moments.min(axis=0) >= mean - amplitude * (1 + 1e-9)).all()
-    widest = np.ptp(moments, axis=0) / 2
-    assert np.median(amplitude / widest) < {"orders": 1.03, "road": 1.6}[kind]
+    unit, normals = places(99 + seed, 400)
+    mean, amplitude = held.swings(in_surface(unit, normals))
+    stress = on_planes(unit, plane_directions(normals, planes=180))
+    moments = stress @ passes.reshape(-1, 5).T
+    assert (moments.max(axis=-1) <= (mean + amplitude * (1 + 1e-9))[:, None]).all()
+    widest = np.ptp(moments, axis=-1).max(axis=-1) / 2
+    assert (amplitude >= widest * (1 - 1e-9)).all()
+    assert np.median(amplitude / widest) < {"orders": 1.2, "road": 1.6}[kind]
 
 
 @pytest.mark.parametrize("kind", ["orders", "road"])
 def test_no_stress_does_more_damage_than_its_loads_let_it(kind):
-    """Rainflow of 300 sums of loads, by Goodman and Basquin; of two orders two cycles a turn."""
+    """Rainflow on 18 planes of 60 places, by Goodman and Basquin; two orders have two cycles."""
     passes = histories(1, kind)
     held = reach(passes)
-    assert held.cycles == {"orders": 2, "road": 200}[kind]
-    stress = np.random.default_rng(7).normal(size=(300, 5))
+    levels = dict(held.levels)
+    if kind == "orders":
+        assert levels == {1.0: 2}
+    else:  # each moment ends one cycle at most; its blow is far from all others
+        assert sum(levels.values()) == 400
+        assert levels[1.0] < 20
+    unit, normals = places(7, 60)
+    stress = on_planes(unit, plane_directions(normals, planes=18))
 
     def harm(amplitude, mean):
         return (amplitude / np.maximum(1 - np.maximum(mean, 0) / 2000, 0.01)) ** 5
 
-    mean, amplitude = held.swings(stress)
-    most = held.cycles * harm(amplitude, mean)
+    mean, amplitude = held.swings(in_surface(unit, normals))
+    most = sum(count * harm(share * amplitude, mean) for share, count in held.levels)
     for one in passes:
-        assert (harm(*counted(stress @ one.T)).sum(axis=1) <= most * (1 + 1e-9)).all()
+        done = harm(*counted((stress @ one.T).reshape(-1, one.shape[0]))).sum(axis=1)
+        assert (done.reshape(60, 18).max(axis=1) <= most * (1 + 1e-9)).all()
+
+
+def places(seed, count):
+    """Unit stresses (count, 5, 6) of five loads, and normals (count, 3)."""
+    rng = np.random.default_rng(seed)
+    normals = rng.normal(size=(count, 3))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return rng.normal(size=(count, 5, 6)), normals
+
+
+def test_stress_in_the_surface_is_that_of_every_plane():
+    """Mohr's circle, by three numbers, against the tensor along 36 directions."""
+    unit, normals = places(3, 20)
+    middle, up, across = np.moveaxis(in_surface(unit, normals), 1, 0)[:, :, None]
+    twice = 2 * np.pi * np.arange(36)[:, None] / 36
+    told = middle + np.cos(twice) * up + np.sin(twice) * across
+    assert told == pytest.approx(on_planes(unit, plane_directions(normals)), abs=1e-12)
+
+
+def test_each_place_suffers_by_its_own_curve():
+    """The same stress at two places, of which the second bears half: 32 times the damage."""
+    unit = np.broadcast_to(120e6 * np.eye(6)[0], (2, 1, 6))
+    wave = np.cos(2 * np.pi * np.arange(32) / 32)[None, :, None]
+    bears = np.array([1.0, 0.5])
+
+    def each(amplitude, _mean, at):
+        return (amplitude / bears[at].reshape(-1, *[1] * (amplitude.ndim - 1))) ** 5
+
+    damage, _ = plane_damage(unit, [[0, 0, 1]] * 2, [Pass(wave)], harm=each)
+    assert damage[1] / damage[0] == pytest.approx(32)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_of_a_long_history_no_moment_is_missed(seed):
+    """Swings of 20,000 moments against all of them, where one rare load is a stress's only one."""
+    rng = np.random.default_rng(seed)
+    loads = np.cumsum(rng.normal(size=(20_000, 5)), axis=0) * [1, 1e-3, 50, 1, 0]
+    loads[7777, 4] = 1e-4  # far too little to lie far out by what the others stress
+    stress = rng.normal(size=(40, 12, 5)) * [1, 1e3, 0.02, 1, 1]
+    stress[0, 0] = [0, 0, 0, 0, 1.0]
+    moments = stress @ loads.T
+    mean, amplitude = swings(stress, loads)
+    assert amplitude == pytest.approx(np.ptp(moments, axis=-1) / 2, rel=1e-12)
+    assert mean == pytest.approx((moments.max(axis=-1) + moments.min(axis=-1)) / 2)
+    few, least = outermost(loads, np.sqrt(np.mean(stress**2, axis=(0, 1))))
+    assert len(few) < 2000
+    off = np.abs(stress @ (loads - loads.mean(axis=0)).T)
+    beyond = off > least(stress.reshape(-1, 5)).reshape(40, 12, 1) * (1 + 1e-9)
+    assert beyond.sum(axis=-1).max() <= len(few)
+
+
+def test_one_hard_pull_does_not_hide_the_many_that_tire_another_plane():
+    """A cycle of 100 MPa along x, 5000 of 60 along y: counted across x alone 310 times less."""
+    unit, loads = np.zeros((1, 2, 6)), np.zeros((1, 20_000, 2))
+    unit[0, [0, 1], [0, 1]] = 1.0
+    loads[0, :, 1] = 60e6 * np.sin(np.pi / 2 * np.arange(20_000))
+    loads[0, :4, 0] = 0, 100e6, 0, -100e6
+    damage, way = plane_damage(unit, [[0, 0, 1.0]], [Pass(loads)], harm=harm)
+    assert damage == pytest.approx(5000 * CURVE.damage(np.array([60e6])), rel=1e-3)
+    assert np.abs(way) == pytest.approx(np.array([[0, 1, 0]]), abs=1e-9)
 
 
 def test_loads_that_stand_still_swing_nothing():
     held = reach(np.array([[[1.0, 2.0]]]))
-    mean, amplitude = held.swings(np.array([[3.0, 4.0]]))
-    assert (mean, amplitude, held.cycles) == (pytest.approx([11]), pytest.approx([0]), 1)
+    mean, amplitude = held.swings(np.array([[[3.0, 4.0], [0, 0], [0, 0]]]))
+    assert (mean, amplitude) == (pytest.approx([11]), pytest.approx([0]))
+    assert held.levels == ((1.0, 1.0),)
 
 
 def test_what_breaks_at_once_does_endless_damage_and_is_told_without_a_warning():
@@ -194,7 +266,7 @@ def test_what_breaks_at_once_does_endless_damage_and_is_told_without_a_warning()
     unit[0, 0, 0] = 1.0
     one = Pass(np.array([[[0.0], [1e9]]]))
 
-    def broken(amplitude, _mean):
+    def broken(amplitude, _mean, _at):
         return np.where(amplitude > 1e6, np.inf, 0.0)
 
     damage, _ = plane_damage(unit, normals, [one], harm=broken, closely=0.0)

@@ -348,14 +348,10 @@ def test_the_step_file_is_the_shape_drawn():
 def test_the_crack_is_where_the_surface_suffers_most(tmp_path):
     """Life from the force on the bearing that the recording says, on the flange that is worse."""
     from cardan.study.bracket import study
-    from cardan.study.identification import load_history
+    from cardan.study.recording import history_of
 
     of = heard("promise.yaml")
-    asked = mix("promise.yaml").campaign
-    time, force = load_history(
-        of.identification, of.angle.rotation, asked.read_torque(of.recording),
-        seconds=of.lives[0].quality.recorded,
-    )  # fmt: skip
+    time, force = history_of(mix("promise.yaml").campaign, of)
     rows = np.column_stack([time, force])
     np.savetxt(tmp_path / "b.csv", rows, "%.7g", ",", header="time_s,x_N,y_N,z_N", comments="")
     text = of.identification.text().replace(
@@ -378,7 +374,10 @@ def test_the_crack_is_where_the_surface_suffers_most(tmp_path):
 @pytest.mark.bracket
 @pytest.mark.slow
 def test_what_the_bend_is_promised_is_what_the_page_says(tmp_path):
-    """Step 6: between its hours lie those that CalculiX has under what the engine then drove."""
+    """Step 6: between its hours lie those that CalculiX has under what the engine then drove.
+
+    In the bend: beside the washers nobody knows the truth, which leaves those places out.
+    """
     from cardan.study.bracket import study
 
     asked = ["life", str(CASE / "promise.yaml"), "--changed-history", str(tmp_path / "cured.csv")]
@@ -392,8 +391,12 @@ def test_what_the_bend_is_promised_is_what_the_page_says(tmp_path):
     hours, low, high, true = told(
         r"promised ([\d ]+) hours, between ([\d ]+) and ([\d ]+), and has ([\d ]+)\."
     )
-    assert life.hours == pytest.approx(hours, rel=1 / 3)
-    assert life.hours_within == pytest.approx((low, high), rel=1 / 3)
+    _, y, z = truth("joints")["cured"]["crack"]["place_mm"]
+    at = [1e3 * np.array(f.point) for f in judged.features]
+    bend = [k for k, p in enumerate(at) if abs(abs(p[1]) - y) < 4 and abs(p[2] - z) < 4]
+    first = life.at([max(bend, key=lambda k: life.spots[k])])
+    assert first.hours == pytest.approx(hours, rel=1 / 3)
+    assert first.hours_within == pytest.approx((low, high), rel=1 / 3)
     assert low < true < high
 
 

@@ -21,7 +21,8 @@ from cardan.fatigue.angle import Angle
 from cardan.fatigue.cuts import order_cuts, windows
 from cardan.fatigue.orders import Rotation
 from cardan.report.contract_schema import schema
-from cardan.study.identification import changed, identify
+from cardan.study.identification import changed, identify, load_history
+from cardan.study.promise import bearing_history
 
 TRUE = Truth()
 QUICK = "rubber"
@@ -222,17 +223,71 @@ def test_what_is_told_is_what_the_contract_says(told):
     assert list(check.iter_errors(found | {"changed": [promise | {"hour": 1}]}))
 
 
-def test_the_load_history_is_the_force_on_the_bearing(told):
+def test_the_load_history_is_the_force_on_the_bearing(application):
     """Against the force that the generator's springs had: 8 % rms, the passing of a mode too."""
-    folder, one, _ = told
-    time, *force = np.loadtxt(folder / "load.csv", delimiter=",", skiprows=1).T
+    truth = replace(TRUE, mode=None)
+    one, found = shaken(truth, seconds=100.0, seed=9), asked(application, truth, 9)
+    clock = np.arange(one.turns.size) / one.rate
+    time, force = load_history(
+        found, Rotation(clock[::5], one.turns[::5]), (one.torque, one.rate), seconds=clock[-1]
+    )
+    force = force.T
     want = np.stack([np.interp(time, np.arange(len(one.force)) / one.rate, f) for f in one.force.T])
     inside = (time > 3) & (time < 95)
     for k in (1, 2):
         swing = want[k, inside] - want[k, inside].mean()
-        off = np.array(force)[k, inside] - want[k, inside]
+        off = force[k, inside] - want[k, inside]
         assert np.std(off) < 0.08 * np.std(swing)
         assert abs(np.mean(off)) < 0.05 * np.abs(want[k, inside]).max()
+
+
+def test_the_command_writes_what_the_gauge_felt(told):
+    """Of one gauge the least force that does what it read, but for what is slower than 10 s."""
+    folder, one, _ = told
+    time, *force = np.loadtxt(folder / "load.csv", delimiter=",", skiprows=1).T
+    read = np.interp(time, np.arange(one.stress.size) / one.rate, one.stress)
+    felt = np.array([0.0, 9e-3, 30e-3]) @ force
+    inside = (time > 3) & (time < 95)
+    assert np.std((felt - read)[inside]) < 0.1 * np.std(read[inside])
+
+
+def test_the_road_is_in_the_load_history_and_stays_when_the_line_is_changed(application):
+    """Three gauges, the generator's springs, a road of known force: 15 % rms of what it pushes."""
+    truth = replace(TRUE, mode=None, noise=0.0)
+    one = shaken(truth, seconds=60.0, rate=500.0, seed=11)
+    units = np.array([[0.5e3, 20e3, 4e3], [0.5e3, -20e3, 4e3], [0.1e3, 1e3, 25e3]])
+    time = np.arange(one.turns.size) / one.rate
+    rng = np.random.default_rng(4)
+    blows = np.exp(-9 * (time % 6)) * np.sin(2 * np.pi * 14 * (time % 6))
+    road = np.stack([0 * time, 700 * blows, 1500 * blows + rng.normal(0, 30, time.size)], axis=-1)
+    stress = units @ (one.force + road).T + 40e6 * (1 - np.exp(-time / 30))  # and a zero creeps
+    stress[2, 5000:5100] = np.nan
+    angle = Angle(Rotation(time[::5], one.turns[::5]), lag=0.02)
+    drive = {"torque": (one.torque, one.rate), "seconds": time[-1]}
+    found = identify(
+        application, iter([stress]), rate=one.rate, gauges=["A", "B", "C"], units=units,
+        angle=angle, state="as given", **drive,
+    )  # fmt: skip
+    how = {"rate": one.rate, "rotation": angle.rotation, **drive}
+    pieces = np.split(stress, [700, 7777], axis=1)
+    clock, force = bearing_history(found, pieces, **how)
+    inside = (clock > 3) & (clock < 55) & ~((clock > 9.9) & (clock < 10.3))
+    want = (one.force + road)[: len(clock)]
+    alone = load_history(found, angle.rotation, drive["torque"], seconds=time[-1], rate=one.rate)[1]
+    for k in (1, 2):
+        push = np.std(road[: len(clock)][inside, k])
+        off = np.std((force - want)[inside, k])
+        assert off < 0.15 * push
+        assert off < 0.2 * np.std((alone - want)[inside, k])
+    # Another line: its own joints' force, and the same road.
+    stiff = changed(
+        application, {"driveline.shafts[1].centre_bearing.vertical_stiffness_N_mm": 400}
+    )
+    _, other = bearing_history(found, pieces, **how, application=stiff)
+    _, joints = load_history(
+        found, angle.rotation, drive["torque"], seconds=time[-1], rate=one.rate, application=stiff
+    )  # fmt: skip
+    assert other - force == pytest.approx(joints - alone, abs=1e-6)
 
 
 @pytest.mark.parametrize(

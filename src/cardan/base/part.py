@@ -76,7 +76,7 @@ class Point:
 class Mode:
     """A mode of a line on its centre bearings that an order of its turning meets.
 
-    `shape` is bounce, lateral, pitch, yaw, bending, bracket or flange; `frequency` in rad/s.
+    `shape` is bounce, lateral, pitch, yaw, axial, bending, bracket or flange, `frequency` in rad/s.
     """
 
     shape: str

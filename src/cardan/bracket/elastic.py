@@ -35,6 +35,8 @@ _INSIDE = (5 - 5**0.5) / 20 + _CORNERS / 5**0.5
 _EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))  # the order of VTK and Abaqus
 
 
+QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))
+"""Of a six-node triangle its nodes."""
 _BALANCED = 1e-8
 """Equilibrium that is missed by less, as a share of the load: displacements are right to 1e-9."""
 _STILL = 1e-9
@@ -137,6 +139,14 @@ class Nodes:
     def surface(self) -> IntArray:
         """Numbers of the nodes on the surface."""
         return np.unique(self.faces)
+
+    @cached_property
+    def quarters(self) -> tuple[FloatArray, Any]:
+        """Corners (4 f, 3, 3) m of flat quarters of its triangles, and a tree of their middles."""
+        from scipy.spatial import cKDTree
+
+        flat = self.points[self.faces[:, QUARTERS].reshape(-1, 3)]
+        return flat, cKDTree(flat.mean(axis=1))
 
 
 @dataclass(frozen=True)
@@ -276,9 +286,12 @@ class Elastic:
         found = np.empty_like(loads)
         free = self.free_dofs
         for case in np.ndindex(loads.shape[:-1]):
-            left = loads[case] * free
+            found[case] = self._times(self.inverse, loads[case] * free)
+        if self._balances(found, loads):
+            return found
+        for case in np.ndindex(loads.shape[:-1]):
             size = max(float(np.linalg.norm(loads[case])), 1e-300)
-            u = self._times(self.inverse, left)
+            u = found[case]
             for _ in range(2):
                 left = (loads[case] - self.residual(u)) * free
                 if np.linalg.norm(left) <= _BALANCED * size:
@@ -295,8 +308,19 @@ class Elastic:
                     "Pick bolt faces that keep it from moving and turning"
                 )
                 raise NotConverged(msg)
-            found[case] = u
         return found
+
+    def _balances(self, found: FloatArray, loads: FloatArray) -> bool:
+        """Whether displacements (..., unknowns) balance their loads, told by one sum of them all.
+
+        Each load as large as the others, its sign by chance: what they miss does not cancel.
+        """
+        each, u = (v.reshape(-1, v.shape[-1]) for v in (loads, found))
+        size = np.linalg.norm(each, axis=1)
+        sign = np.random.default_rng(1).choice([-1.0, 1.0], len(each))
+        share = sign / np.where(size > 0, size, np.inf)
+        missed = (share @ each - self.residual(share @ u)) * self.free_dofs
+        return float(np.linalg.norm(missed)) <= _BALANCED
 
     def _times(self, matrix: Any, vector: FloatArray) -> FloatArray:
         """Return a matrix of the engine times a vector (unknowns,)."""
@@ -458,12 +482,15 @@ class Elastic:
         read, material = self._gradients(rule), self.material
         return lambda displacements: stress_of_gradients(read(displacements), material)
 
-    def _gradients(self, rule: Any) -> Callable[[FloatArray], FloatArray]:
+    def _gradients(
+        self, rule: Any, carry: FloatArray | None = None
+    ) -> Callable[[FloatArray], FloatArray]:
         """Return what reads gradients (elements, q, 3, c, 3) 1 of displacements (c, unknowns).
 
         The first three are the directions in which, the last the displacements that change.
-        Those of the shape functions are known once, and multiply all vectors together. What is
-        returned does not hold on to the factors.
+        Those of the shape functions are known once, and multiply all vectors together; carried on
+        from the rule's points to others, where weights (others, q) say so. What is returned does
+        not hold on to the factors.
         """
         ngs = engine().ngs
         functions, kinds, ways = self._functions
@@ -476,6 +503,9 @@ class Elastic:
             for q, p in enumerate(rule):
                 D = np.array(way.CalcDShape(*p.point))
                 each[mine, q] = np.tensordot(inverse[mine, q], D, axes=(1, 1))
+        if carry is not None:
+            q = each.shape[1]
+            each = (carry @ each.reshape(len(each), q, -1)).reshape(-1, len(carry), *each.shape[2:])
         shape = each.shape[:3]
         each = each.reshape(len(functions), -1, functions.shape[1])
 
@@ -494,17 +524,11 @@ class Elastic:
         """
         if self.degree > 2:
             return self._gradients(_nodal_rule())
-        read = self._gradients(engine().ngs.IntegrationRule([*map(tuple, _INSIDE)], [0.0] * 4))
         nodes = np.array([p.point for p in _nodal_rule()])
         flat = np.column_stack([np.ones(4), _INSIDE])
         carry = np.column_stack([np.ones(len(nodes)), nodes]) @ np.linalg.inv(flat)
-
-        def carried(displacements: FloatArray) -> FloatArray:
-            inside = read(displacements)
-            at = carry @ inside.reshape(*inside.shape[:2], -1)
-            return at.reshape(len(at), len(nodes), *inside.shape[2:])
-
-        return carried
+        inside = engine().ngs.IntegrationRule([*map(tuple, _INSIDE)], [0.0] * 4)
+        return self._gradients(inside, carry)
 
     @cached_property
     def _functions(self) -> tuple[IntArray, IntArray, list[Any]]:
@@ -539,7 +563,7 @@ class Elastic:
         owners = order // self.nodes.elements.shape[1]
         return lambda n: owners[ends[n] : ends[n + 1]]
 
-    def modes(self, count: int, *, rider: "Rider | None" = None) -> tuple[FloatArray, FloatArray]:
+    def modes(self, count: int) -> tuple[FloatArray, FloatArray]:
         """Natural frequencies (count,) Hz and mode shapes (count, unknowns), from the same factor.
 
         Lanczos on the inverse of the stiffness. Shapes have unit modal mass. Frequencies are
@@ -548,56 +572,27 @@ class Elastic:
         from scipy.sparse.linalg import LinearOperator, eigsh
 
         free = np.flatnonzero(self.free_dofs)
-        n, more = len(free), 0 if rider is None else 3
-        shape = (n + more, n + more)
         whole = np.zeros(self.unknowns)
 
         def solved(x: FloatArray) -> FloatArray:
-            whole[free] = x
+            whole[free] = x.ravel()
             return self._times(self.inverse, whole)[free]
 
         def weighed(x: FloatArray) -> FloatArray:
-            whole[free] = x
+            whole[free] = x.ravel()
             return self.inert(whole)[free]
 
-        seat = None if rider is None else rider.seat[:, free]
-
-        def inverse(x: FloatArray) -> FloatArray:
-            x = x.ravel()
-            if rider is None or seat is None:
-                return solved(x)
-            # The spring carries all that acts on the rider, so the seat feels it too.
-            u = solved(x[:n] + x[n:] @ seat)
-            return np.concatenate([u, seat @ u + rider.compliance * x[n:]])
-
-        def mass(x: FloatArray) -> FloatArray:
-            x = x.ravel()
-            own = weighed(x[:n])
-            return own if rider is None else np.concatenate([own, rider.mass * x[n:]])
-
-        M = LinearOperator(shape, matvec=mass, dtype=float)
-        inv = LinearOperator(shape, matvec=inverse, dtype=float)
-        start = np.random.default_rng(1).standard_normal(n + more)
+        shape = (len(free), len(free))
+        M = LinearOperator(shape, matvec=weighed, dtype=float)
+        inv = LinearOperator(shape, matvec=solved, dtype=float)
+        start = np.random.default_rng(1).standard_normal(len(free))
         squares, vectors = eigsh(
             M, k=count, M=M, sigma=0.0, OPinv=inv, v0=start, ncv=3 * count // 2 + 5, tol=1e-5
         )
         order = np.argsort(squares)
         shapes = np.zeros((count, self.unknowns))
-        shapes[:, free] = vectors[:n, order].T
+        shapes[:, free] = vectors[:, order].T
         return np.sqrt(squares[order]) / (2 * np.pi), shapes
-
-
-@dataclass(frozen=True)
-class Rider:
-    """A mass that rides on the seat, through springs or rigidly.
-
-    `seat` (3, unknowns) are the load vectors of unit forces on the seat along x, y, z,
-    `compliance` (3,) m/N that of the springs, 0 where rigid; `mass` in kg.
-    """
-
-    seat: FloatArray
-    compliance: FloatArray
-    mass: float
 
 
 def shape_functions(reference: FloatArray) -> FloatArray:

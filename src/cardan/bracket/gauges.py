@@ -8,7 +8,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.units import mm
-from cardan.bracket.shape import MOUNT, SEAT
+from cardan.bracket.shape import END, MOUNT, SEAT
 from cardan.bracket.surface import nearest
 from cardan.bracket.unit import Units
 from cardan.model.bracket import Gauge
@@ -82,7 +82,7 @@ def _hidden(face: str) -> str:
     """Return what covers a face of a name; nothing where a gauge can lie on it."""
     if face == SEAT:
         return "under the bearing"
-    return "against the frame" if face == MOUNT or face.startswith("bolt ") else ""
+    return "against the frame" if face == MOUNT or face.startswith(("bolt ", END)) else ""
 
 
 def _laid(gauge: Gauge, direction: FloatArray, normal: FloatArray) -> FloatArray:

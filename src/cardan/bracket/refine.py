@@ -45,6 +45,9 @@ _MOMENTS = 24
 """Of a history, by which loads are compared."""
 _TWICE = 2
 """Meshes in which the tops are made finer whatever elements say: two steps tell a trend."""
+_GREW = 1.1
+"""Times as many unknowns as the mesh before, below which the next would be such another: what still
+moves is where its nodes came to lie."""
 _HIGHER = 1.05
 """Times a sliding flange's top, above which a feature is followed as the clamped one makes it."""
 _HALF, _TOP = 0.55, 0.95
@@ -98,7 +101,8 @@ class Solution:
     Attributes
     ----------
     displacements : (c, unknowns)
-    at_nodes : (n, c, 3) m, (n, c, 6) Pa
+    stress : (n, c, 6) Pa
+        At the nodes.
     unit : (places, c, 6) Pa
         Stress at the places where fatigue is asked.
     """
@@ -106,7 +110,7 @@ class Solution:
     elastic: Elastic
     loads: FloatArray
     displacements: FloatArray
-    at_nodes: tuple[FloatArray, FloatArray]
+    stress: FloatArray
     zones: Zones
     unit: FloatArray
 
@@ -170,10 +174,10 @@ def _under(problem: Problem, body: Elastic, loads: FloatArray, *, tell: Progress
     """Solve for load vectors (c, unknowns), and read stress where fatigue is asked."""
     tell(f"solving for {len(loads)} loads")
     displacements = body.solve(loads)
-    at_nodes = body.at_nodes(displacements)
+    stress = body.stress_at_nodes(displacements)
     zones = zones_of(body.nodes, held=problem.clamps, thickness=problem.thickness)
-    unit = zones.stress(body.nodes, at_nodes[1])
-    return Solution(body, loads, displacements, at_nodes, zones, unit)
+    unit = zones.stress(body.nodes, stress)
+    return Solution(body, loads, displacements, stress, zones, unit)
 
 
 def refined(
@@ -214,6 +218,7 @@ def refined(
     weight = np.asarray(weights, dtype=float)
     both, follow = bool(problem.firm), True
     ways: list[Solution] = []
+    sizes: list[int] = []
     for level in range(levels):
         tell("meshing" if level == 0 else f"mesh {level + 1}, finer where it is worst")
         made = mesh(
@@ -224,6 +229,7 @@ def refined(
             break
         ways.clear()  # nothing else holds on to them: their factors go before the next are made
         ways.append(solution(problem, made, tell=tell))
+        sizes.append(ways[0].elastic.unknowns)
         if level == 0:
             combos = telling(ways[0].unit, cases)
             if seen:
@@ -234,7 +240,9 @@ def refined(
         looks.append(_look(problem, ways, combos, weight, points, before=looks))
         if both and level == 0:
             follow = looks[0].firm_matters
-        if not looks[-1].finer or (
+        if not looks[-1].finer or (level >= _TWICE and sizes[-1] < _GREW * sizes[-2]):
+            break
+        if (
             level >= _TWICE
             and _settled([look.tops for look in looks], weight)
             and (not len(points) or looks[-1].moved.max() <= _STILL)
@@ -251,7 +259,7 @@ def refined(
         features=tuple(looks[-1].off),
         error=_of_features(tops, looks[-1].off, weight),
         tops=tuple(tops),
-        watched=drawn.of(ways[0].elastic.nodes, ways[0].at_nodes[1]),
+        watched=drawn.of(ways[0].elastic.nodes, ways[0].stress),
         watched_error=_share(np.maximum(_drift(watched), looks[-1].off_watched), watched),
     )
 
@@ -386,7 +394,7 @@ class _Field:
     @classmethod
     def of(cls, found: Solution, combos: FloatArray) -> "_Field":
         """Return the field of a solution under loads (k, c)."""
-        moved_by, smooth = combos @ found.displacements, superpose(found.at_nodes[1], combos)
+        moved_by, smooth = combos @ found.displacements, superpose(found.stress, combos)
         level = von_mises(superpose(found.unit, combos))
         features, highest, where = found.zones.features, *_tops(found.zones, level)
         return cls(

@@ -23,6 +23,8 @@ FREE = "free"
 MOUNT = "mount"
 """The plane that lies against the frame, without the washers' rings."""
 WELD = "weld"
+END = "end "
+"""Begins the name of a face that is welded to the frame, which holds it every way."""
 WALL = " wall"
 """Ends the name of a bolt hole's wall; the ring about it is called after the bolt alone."""
 WASHER = 2.0
@@ -56,9 +58,9 @@ class Picked:
 class Solid:
     """A solid in metres, the bearing's centre at its origin.
 
-    `shape` is the kernel's; its faces are called "seat", "bolt 1", "bolt 1 wall", ..., "mount",
-    "weld" or "free". `thickness` is that of its walls, `volume` in m³. `found` says what was
-    found of the picks in a STEP file.
+    `shape` is the kernel's; its faces are called "seat", "bolt 1", "bolt 1 wall", ..., "end 1",
+    ..., "mount", "weld" or "free". `thickness` is that of its walls, `volume` in m³. `found` says
+    what was found of the picks in a STEP file.
     """
 
     shape: Any
@@ -75,16 +77,17 @@ class Solid:
         little and lifts off a little, is as stiff as the first or stiffer, as the second or
         softer, as long as its bolts are rigid: each frees, or holds, all the other does and
         more. Bolts that give make it up to 12 % softer than the first where it is pulled off
-        (`tests/verify/test_bracket_contact.py`).
+        (`tests/verify/test_bracket_contact.py`). What is welded is held, whatever the bolts do.
         """
         names = {face.name for face in self.shape.faces}
+        ends = dict.fromkeys(sorted(n for n in names if n.startswith(END)), "xyz")
         walls = [bolt + WALL for bolt in self.bolts if bolt + WALL in names]
         rings = [bolt for bolt in self.bolts if bolt in names]
         if hold == "clamped" or not (walls and rings):
             plane = [MOUNT] if hold == "clamped" and MOUNT in names else []
-            return dict.fromkeys([*rings, *walls, *plane], "xyz")
+            return ends | dict.fromkeys([*rings, *walls, *plane], "xyz")
         up = "xyz"[self.upright]
-        return dict.fromkeys(rings, up) | dict.fromkeys(walls, "xyz".replace(up, ""))
+        return ends | dict.fromkeys(rings, up) | dict.fromkeys(walls, "xyz".replace(up, ""))
 
     @property
     def upright(self) -> int:
@@ -297,7 +300,11 @@ def _from_step(part: StepShape) -> Solid:
         raise DesignError(msg, about="bracket.step") from error
     body = _chosen(body, part)
     faces = list(body.faces)
-    wanted = [(SEAT, part.seat), *((f"bolt {k}", (p,)) for k, p in enumerate(part.bolts, 1))]
+    wanted = [
+        (SEAT, part.seat),
+        *((f"bolt {k}", (p,)) for k, p in enumerate(part.bolts, 1)),
+        *((f"{END}{k}", (p,)) for k, p in enumerate(part.welded, 1)),
+    ]
     taken: dict[int, str] = {}
     found: list[Picked] = []
     rings: list[tuple[str, Any]] = []
@@ -332,6 +339,8 @@ def _from_step(part: StepShape) -> Solid:
         )  # fmt: skip
         if name == SEAT:
             seat = [faces[k] for k in mine], bore
+            continue
+        if name.startswith(END):
             continue
         long += [_length(faces[k], bore) for k in walls]
         flat = sorted(mine - walls.keys())
@@ -425,9 +434,9 @@ def _picked(faces: list[Any], pick: Pick, path: str, name: str, place: int) -> I
 
 
 def _about(name: str, place: int | None = None) -> str:
-    """Return where a file names a pick of a bolt, one of the seat, or all of it."""
+    """Return where a file names a pick of a bolt or a weld, one of the seat, or all of it."""
     kind, _, bolt = name.partition(" ")
-    key = "seat" if kind == SEAT else "bolts"
+    key = {SEAT: "seat", END.strip(): "welded"}.get(kind, "bolts")
     number = bolt or ("" if place is None else str(place + 1))
     return f"bracket.step.{key}[{number}]" if number else f"bracket.step.{key}"
 
@@ -626,7 +635,7 @@ def _round_its_hole(body: Any, faces: list[Any], picked: int, part: StepShape, n
     has = f"with a hole of {2 * holes[0].radius:.4g} mm" if holes else "without a hole"
     msg = (
         f"{name}: a flat face picked of {part.path}, {size} mm {has}, is no bolt's: pick the "
-        "wall of its hole, or a ring or pad about one hole"
+        "wall of its hole, or a ring or pad about one hole; a face welded to the frame is `welded`"
     )
     raise DesignError(msg, about=_about(name))
 

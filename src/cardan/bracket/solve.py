@@ -311,8 +311,8 @@ def solve(task: Task, tell: Progress) -> Solved:
         nodes=done.last.elastic.nodes,
         thickness=body.thickness,
         mass=body.volume * task.material.density,
-        displacement=done.last.at_nodes[0],
-        stress=done.last.at_nodes[1],
+        displacement=done.last.elastic.motion_at_nodes(done.last.displacements),
+        stress=done.last.stress,
         sliding=sliding,
         clamped=clamped,
         error=_errors(done, clamped),
@@ -378,7 +378,8 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     read = influence(every, task.gauges)
     carried = alone
     if task.carried_mass > 0:
-        carried, _ = units.modes(MODES if many else 2, mass=task.carried_mass, rubber=task.rubber)
+        carried = units.carried(alone, shapes, mass=task.carried_mass, rubber=task.rubber)
+        carried = carried if many else carried[:2]
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,

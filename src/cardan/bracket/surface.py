@@ -6,12 +6,11 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.units import Metre, Radian, deg
-from cardan.bracket.elastic import IntArray, Nodes
+from cardan.bracket.elastic import QUARTERS, IntArray, Nodes
 
 RE_ENTRANT = 20 * deg
 """Faces that turn towards each other by more meet in a notch without a radius."""
 
-_QUARTERS = ((0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5))  # of a six-node triangle
 _CANDIDATES = 16
 _AREA = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 0.5, 0), (0, 0.5, 0.5), (0.5, 0, 0.5)])
 """Area coordinates of a six-node triangle's nodes."""
@@ -37,11 +36,9 @@ class OnSurface:
 
 def nearest(nodes: Nodes, points: ArrayLike) -> OnSurface:
     """Draw points (k, 3) m to the surface, flat between its nodes."""
-    from scipy.spatial import cKDTree
-
     points = np.asarray(points, dtype=float).reshape(-1, 3)
-    flat = nodes.points[nodes.faces[:, _QUARTERS].reshape(-1, 3)]
-    _, close = cKDTree(flat.mean(axis=1)).query(points, k=min(_CANDIDATES, len(flat)))
+    flat, tree = nodes.quarters
+    _, close = tree.query(points, k=min(_CANDIDATES, len(flat)))
     close = np.reshape(close, (len(points), min(_CANDIDATES, len(flat))))
     feet = _feet(points[:, None], flat[close])
     away = np.linalg.norm(feet - points[:, None], axis=-1)
@@ -56,7 +53,7 @@ def nearest(nodes: Nodes, points: ArrayLike) -> OnSurface:
     third = (np.cross(b - a, foot - a) * normal).sum(-1) / square
     inside = np.stack([1 - second - third, second, third], axis=-1)
     # The same point in the six-node triangle the quarter is of, and its shape functions there.
-    L = np.einsum("kq,kqc->kc", inside, _AREA[np.array(_QUARTERS)[quarter % 4]])
+    L = np.einsum("kq,kqc->kc", inside, _AREA[np.array(QUARTERS)[quarter % 4]])
     weights = np.concatenate([L * (2 * L - 1), 4 * L * np.roll(L, -1, axis=1)], axis=1)
     return OnSurface(
         points=foot,

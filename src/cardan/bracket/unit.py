@@ -12,7 +12,7 @@ import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.units import Metre
-from cardan.bracket.elastic import Elastic, Progress, Rider, elastic, mesh, silent
+from cardan.bracket.elastic import Elastic, Progress, elastic, mesh, silent
 from cardan.bracket.engine import engine
 from cardan.bracket.shape import SEAT, WALL, Solid
 from cardan.model.bracket import Hold
@@ -21,6 +21,11 @@ from cardan.model.seat import LOSS, Seat, seat
 
 UNITS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz", "ax", "ay", "az")
 """Forces in N and moments in N m on the bearing, accelerations of the frame in m/s²."""
+
+_NEARLY = 1e-7
+"""Share of itself that a motion may still move by where frequencies follow from its square."""
+_ANEW = 1e-10
+"""Share of its stiffness that a motion has of its own, below which others make it up."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +73,8 @@ class Units:
         known = set(self.elastic.mesh.GetBoundaries())
         parts = [[n for n in (b, b + WALL) if n in known] for b in self.solid.bolts]
         held = [np.any([self.elastic.dofs_on(n) for n in names], axis=0) for names in parts]
-        return np.stack([(left * on) @ rigid.T for on in held])
+        each = [(left * on) @ rigid.T for on in held]
+        return np.array(each).reshape(len(held), len(left), 3)  # a welded one has no bolts
 
     @cached_property
     def at_nodes(self) -> tuple[FloatArray, FloatArray]:
@@ -89,19 +95,45 @@ class Units:
             loss=loss,
         )
 
-    def modes(
-        self, count: int = 6, *, mass: float = 0.0, rubber: ArrayLike | None = None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Natural frequencies (count,) Hz and shapes (count, unknowns).
+    def modes(self, count: int = 6) -> tuple[FloatArray, FloatArray]:
+        """Natural frequencies (count,) Hz and shapes (count, unknowns)."""
+        return self.elastic.modes(count)
 
-        `mass` (kg) rides on the bearing, on rubber of stiffness (3,) N/m or rigidly. A mode
-        of the rider on soft rubber hardly moves the bracket: its shape is small.
+    def carried(
+        self,
+        frequencies: FloatArray,
+        shapes: FloatArray,
+        *,
+        mass: float,
+        rubber: ArrayLike | None = None,
+    ) -> FloatArray:
+        """Natural frequencies (k,) Hz where a mass (kg) rides on the bearing, in three directions.
+
+        On rubber of stiffness (3,) N/m, or rigidly. By Rayleigh and Ritz, from the modes (k,) Hz,
+        (k, unknowns) without it, from what forces on the seat move, and from what the inertia of
+        that does: what modes beyond k add falls with the fourth power of their frequency. On rubber
+        right to rounding, else to 1e-5 where Lanczos from the start is right to 1e-10.
         """
-        rider = None
-        if mass > 0:
-            soft = np.zeros(3) if rubber is None else 1 / np.asarray(rubber, dtype=float)
-            rider = Rider(seat=self.loads[:3], compliance=soft, mass=mass)
-        return self.elastic.modes(count, rider=rider)
+        seat, static = self.loads[:3], self.displacements[:3]
+        heavy = np.stack([self.elastic.inert(u) for u in (*shapes, *static)])
+        forces = heavy[len(shapes) :]
+        slow = self.elastic.solve(forces, still=_NEARLY)
+        heavy = np.concatenate([heavy, [self.elastic.inert(u) for u in slow]])
+        moved = np.concatenate([shapes, static, slow])
+        own = (2 * np.pi * frequencies[:, None]) ** 2 * heavy[: len(shapes)]
+        stiff = moved @ np.concatenate([own, seat, forces]).T
+        # Whitened by the stiffness, each as large as the others: those near in direction go.
+        size = 1 / np.sqrt(stiff.diagonal())
+        much, ways = np.linalg.eigh((stiff + stiff.T) / 2 * size * size[:, None])
+        kept = much > _ANEW
+        white = size[:, None] * ways[:, kept] / np.sqrt(much[kept])
+        at = white.T @ (moved @ seat.T)  # the seat's motion; rubber adds the rider's own to that
+        soft = np.zeros((0, 3)) if rubber is None else np.diag(np.asarray(rubber, float) ** -0.5)
+        ride = np.concatenate([at, soft])
+        whole = mass * ride @ ride.T
+        whole[: len(at), : len(at)] += white.T @ (moved @ heavy.T) @ white
+        squares = np.linalg.eigvalsh((whole + whole.T) / 2)[::-1][: len(frequencies)]
+        return 1 / np.sqrt(squares) / (2 * np.pi)
 
 
 def seat_loads(solid: Elastic, *, face: str = SEAT) -> FloatArray:

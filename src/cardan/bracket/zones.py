@@ -14,7 +14,7 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.units import Metre, deg
 from cardan.bracket.elastic import IntArray, Nodes
-from cardan.bracket.shape import MOUNT, SEAT, WALL, WELD
+from cardan.bracket.shape import END, MOUNT, SEAT, WALL, WELD
 from cardan.bracket.stress import tensor, vector
 from cardan.bracket.surface import RE_ENTRANT, Edges, OnSurface, edges_of, nearest
 from cardan.model.bracket import ZONES
@@ -149,7 +149,8 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     cut = _narrow_faces(nodes, corner, _NARROW * thickness) & ~weld
     at = edges[border | toe]
     lines = _lines(nodes, at, thickness=thickness)
-    line_kind = np.where(border[border | toe], BORDER, TOE)
+    welded = np.char.startswith(names[at.others].astype(str), END)
+    line_kind = np.where(border[border | toe] & ~welded, BORDER, TOE)
     # Where the frame's plane ends the sheet is plain: no washer bears on it, no hole is there.
     plane = names[at.others] == MOUNT
     line_kind[plane] = np.where(cut[at.faces[plane]], CUT, SHEET)

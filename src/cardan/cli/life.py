@@ -388,21 +388,17 @@ def _write_identified(
     if corrected is not None:
         write(corrected, of.identification.text())
     if history is not None:
-        write(history, _history(campaign, of, None))
+        write(history, _history(campaign, of))
     if changed is not None:
-        write(changed, _history(campaign, of, campaign.changed))
+        write(changed, _history(campaign, of, changed=True))
 
 
-def _history(campaign: Any, of: Any, application: Any) -> str:
-    """Return the force on the bearing over a recording as a table, of another line if given."""
-    from cardan.study.identification import load_history
+def _history(campaign: Any, of: Any, *, changed: bool = False) -> str:
+    """Return the force on the bearing over a recording as a table, of the changed line if asked."""
+    from cardan.study.recording import history_of
 
-    time, force = load_history(
-        of.identification, of.angle.rotation,
-        campaign.read_torque(campaign.scaled(of.recording)), seconds=of.lives[0].quality.recorded,
-        application=application,
-    )  # fmt: skip
-    rows = (f"{t:.4f},{x:.4g},{y:.4g},{z:.4g}" for t, (x, y, z) in zip(time, force, strict=True))
+    time, force = history_of(campaign, of, changed=changed)
+    rows = (f"{t:.5f},{x:.4g},{y:.4g},{z:.4g}" for t, (x, y, z) in zip(time, force, strict=True))
     return "\n".join(("time_s,x_N,y_N,z_N", *rows)) + "\n"
 
 

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 
 PLANES = 36
 """Planes tried at each place, 5 degrees apart: of shear at most 0.4 % is missed."""
@@ -21,18 +21,23 @@ _MOST = 3
 how far stress swings."""
 CLOSELY = 1e-3
 """Share of the worst damage below which the largest cycle alone is counted."""
-_BEST = 3
-"""Planes of a place that are counted closely."""
+_BEST, _TURN = 3, 256
+"""Planes of a place that are counted closely, those of the largest cycle; and moments above which a
+pass is more than a turn of a shaft, and those of its root mean square are counted too."""
 _NOTHING, _ORDERS = 1e-6, 4
 """Share of the largest wave below which one is none; and how many are few."""
+LEVELS = 16
+"""Shares of a reach by which cycles are told apart."""
 _STEPS, _ROUGHLY = 200, 0.01
 """Of the search for an ellipsoid at most; and how near it is enough."""
-_CHUNK = 4_000_000
-_NEAR = 200_000
-"""Numbers that stay near a processor: extremes of few moments are found five times as fast."""
+_NEAR, _CHUNK = 200_000, 4_000_000
+"""Numbers that stay near a processor: extremes of few moments are found five times as fast. And
+numbers held at once of a long history, whose moments are counted one by one."""
+_LONG = 1000
+"""Moments of a long history; and of one twice as long those of which extremes are asked first."""
 
-Harm: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
-"""From amplitude and mean of cycles, (...) Pa, to the damage of each."""
+Harm: TypeAlias = Callable[[FloatArray, FloatArray, IntArray], FloatArray]
+"""From amplitude and mean of cycles (k, ...) Pa, at places numbered (k,), to damage of each."""
 
 
 @dataclass(frozen=True)
@@ -118,6 +123,16 @@ def plane_directions(normals: ArrayLike, *, planes: int = PLANES) -> FloatArray:
     return np.cos(angle)[:, None] * u[:, None] + np.sin(angle)[:, None] * v[:, None]
 
 
+def in_surface(unit: ArrayLike, normals: ArrayLike) -> FloatArray:
+    """Return what unit stresses (m, c, 6) are in surfaces square to normals (m, 3), (m, 3, c) Pa.
+
+    The middle of Mohr's circle and the two legs of its radius: on a plane turned by φ normal stress
+    is the first, plus cos 2φ times the second, plus sin 2φ times the third.
+    """
+    one, up, other, down = np.moveaxis(on_planes(unit, plane_directions(normals, planes=4)), 1, 0)
+    return np.stack([one + other, one - other, up - down], axis=1) / 2
+
+
 def on_planes(unit: ArrayLike, directions: ArrayLike) -> FloatArray:
     """Return normal stress (m, planes, c) Pa of unit stresses (m, c, 6) along (m, planes, 3)."""
     x, y, z = np.moveaxis(np.asarray(directions, dtype=float), -1, 0)
@@ -128,16 +143,44 @@ def on_planes(unit: ArrayLike, directions: ArrayLike) -> FloatArray:
 def swings(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return mean and amplitude (m, planes) Pa of unit stresses (m, planes, c) under loads (t, c).
 
-    Of the whole history: its largest cycle.
+    Of the whole history: its largest cycle. Of a long one the moments that go farthest are asked
+    first, and all of them where one of the others may go farther.
     """
     every = stress.reshape(-1, stress.shape[-1])
-    found = np.empty((2, len(every)))
-    for rows in _chunks(len(every), len(loads), most=_NEAR):
-        history = loads @ every[rows].T  # moments in rows: extremes of many planes at once
-        top, low = history.max(axis=0), history.min(axis=0)
-        found[:, rows] = (top + low) / 2, (top - low) / 2
-    mean, amplitude = found.reshape(2, *stress.shape[:2])
-    return mean, amplitude
+    few, least = outermost(loads, np.sqrt(np.mean(every**2, axis=0)))
+    top, low = _ends(every, few)
+    middle = every @ loads.mean(axis=0)
+    left = np.flatnonzero(np.minimum(top - middle, middle - low) < least(every))
+    top[left], low[left] = _ends(every[left], loads) if len(left) else (0.0, 0.0)
+    return ((top + low) / 2).reshape(stress.shape[:2]), ((top - low) / 2).reshape(stress.shape[:2])
+
+
+def _ends(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the highest and lowest (m,) Pa of unit stresses (m, c) under loads (t, c)."""
+    top, low = np.empty((2, len(stress)))
+    for rows in _chunks(len(stress), len(loads)):
+        history = loads @ stress[rows].T  # moments in rows: extremes of many planes at once
+        top[rows], low[rows] = history.max(axis=0), history.min(axis=0)
+    return top, low
+
+
+def outermost(
+    loads: FloatArray, worth: FloatArray | float = 1.0
+) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    """Return the moments of loads (t, c) that lie farthest out, all of a short history.
+
+    And how far at most stresses (m, c) go from their mean in the others, (m,): by the spread of the
+    loads and the inequality of Cauchy and Schwarz.
+    """
+    if len(loads) <= 2 * _LONG:
+        return loads, lambda stress: np.full(len(stress), -np.inf)
+    scale = np.broadcast_to(np.asarray(worth, dtype=float), loads.shape[1:])
+    goes, size, ways = np.linalg.svd((loads - loads.mean(axis=0)) * scale, full_matrices=False)
+    far = np.linalg.norm(goes, axis=1)
+    order = np.argsort(-far)
+    spread = (size[:, None] * ways / np.where(scale > 0, scale, np.inf)).T
+    beyond = far[order[_LONG]]
+    return loads[order[:_LONG]], lambda stress: beyond * np.linalg.norm(stress @ spread, axis=1)
 
 
 @dataclass(frozen=True)
@@ -149,53 +192,73 @@ class Reach:
     middle : (c,)
     axes : ((c, r), ...)
         Of each ellipsoid.
-    cycles
-        More than any sum of the loads has in a pass.
+    cycles : (LEVELS,)
+        More than any sum of the loads has in a pass, by the share of the reach that they go to at
+        most: the last reach all of it, the first a `LEVELS`th. A road all day long has as many
+        small ones as samples, and few as large as its worst blow.
     """
 
     middle: FloatArray
     axes: tuple[FloatArray, ...]
-    cycles: int
+    cycles: FloatArray
+
+    @property
+    def levels(self) -> tuple[tuple[float, float], ...]:
+        """Shares of the reach, and how many cycles there may be of each."""
+        return tuple(
+            ((k + 1) / LEVELS, float(self.cycles[k])) for k in np.flatnonzero(self.cycles).tolist()
+        )
 
     def swings(self, stress: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return mean and amplitude (...) Pa that harm as any cycle of stresses (..., c), or more.
+        """Return mean and amplitude (m,) Pa that harm as any cycle on any plane, or more.
 
-        No moment is higher or lower; and of cycles with one top the larger fares worse.
+        Of stresses (m, 3, c) `in_surface`. No moment is higher or lower on a plane; and of cycles
+        with one top the larger fares worse, of two as large the one about the higher mean.
         """
-        size = np.zeros(stress.shape[:-1])
+        size = np.zeros(len(stress))
         for axes in self.axes:
-            size += np.sqrt(((stress @ axes) ** 2).sum(axis=-1))
-        return stress @ self.middle, size
+            middle, *legs = np.moveaxis(stress @ axes, 1, 0)
+            size += np.linalg.norm(np.abs(middle) + np.hypot(*legs), axis=-1)
+        middle, *legs = np.moveaxis(stress @ self.middle, 1, 0)
+        return middle + np.hypot(*legs), size
 
 
 def reach(passes: FloatArray, worth: FloatArray | float = 1.0) -> Reach:
     """Return what holds all moments of passes (p, t, c) of loads, each worth so much stress (c,).
 
     Of few orders each has its ellipse, which one order fills; else it is about the smallest
-    ellipsoid. A sum of waves has no more cycles than its highest order.
+    ellipsoid. A sum of waves has no more cycles than its highest order. Else a cycle goes no
+    farther than the farther of the two moments at its ends, and no moment ends two.
     """
     waves = np.fft.rfft(passes, axis=1) * 2 / passes.shape[1]
     size = (np.abs(waves) * worth).max(axis=(0, 2))[1:]
     orders = np.flatnonzero(size > _NOTHING * size.max(initial=0.0)) + 1
-    cycles, middles = int(orders.max(initial=1)), passes.mean(axis=1)
+    middles, cycles = passes.mean(axis=1), np.zeros(LEVELS)
+    cycles[-1] = orders.max(initial=1)
     if len(orders) <= _ORDERS:
         # Passes may differ in where their waves begin.
         spans = (waves[:, orders, :, None] * waves[:, orders, None].conj()).real
         if _alike(spans) and _alike(middles):
             axes = tuple(np.stack([w.real, w.imag], axis=-1) for w in waves[0, orders])
             return Reach(middles[0], axes, cycles)
-    middle, held = _held(passes.reshape(-1, passes.shape[-1]), worth)
-    return Reach(middle, (held,), cycles)
+    middle, held, far = _held(passes.reshape(-1, passes.shape[-1]), worth)
+    if len(far) > LEVELS * cycles[-1]:  # few orders in many samples are told better by these
+        return Reach(middle, (held,), cycles)
+    level = np.minimum(np.ceil(far * LEVELS).astype(int), LEVELS)
+    return Reach(middle, (held,), np.bincount(level, minlength=LEVELS + 1)[1:].astype(float))
 
 
 def _alike(passes: FloatArray) -> bool:
     return np.allclose(passes, passes[0], atol=_NOTHING * np.abs(passes).max(initial=0.0))
 
 
-def _held(points: FloatArray, worth: FloatArray | float) -> tuple[FloatArray, FloatArray]:
+def _held(
+    points: FloatArray, worth: FloatArray | float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return middle (c,) and axes (c, r) of about the smallest ellipsoid that holds points (t, c).
 
-    Source: Khachiyan, Math. Oper. Res. 21 (1996) 307.
+    And how far each of them is (t,), 1 on its skin. Source: Khachiyan, Math. Oper. Res. 21 (1996)
+    307.
     """
     scale = np.broadcast_to(np.asarray(worth, dtype=float), points.shape[1:])
     mean = points.mean(axis=0)
@@ -217,8 +280,9 @@ def _held(points: FloatArray, worth: FloatArray | float) -> tuple[FloatArray, Fl
     away = goes - middle
     axes = np.linalg.cholesky((away.T * weight) @ away)
     # Wherever the search ended, it is made as large as holds them all.
-    axes *= np.sqrt((np.linalg.solve(axes, away.T) ** 2).sum(axis=0).max())
-    return mean + middle @ back, (axes.T @ back).T
+    far = np.sqrt((np.linalg.solve(axes, away.T) ** 2).sum(axis=0))
+    axes *= far.max()
+    return mean + middle @ back, (axes.T @ back).T, far / far.max()
 
 
 def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
@@ -227,8 +291,22 @@ def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArr
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[:, None]
         mean, amplitude = swings(stress, farthest(np.concatenate(one.loads), worth))
-        rough += one.times * harm(more * amplitude, more * mean)
+        rough += one.times * harm(more * amplitude, more * mean, np.arange(len(stress)))
     return rough
+
+
+def _steady(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
+    """Return damage (m, planes) as if all cycles had the root mean square: of a wave what it is."""
+    found = np.zeros(stress.shape[:2])
+    for one in passes:
+        loads = np.concatenate(one.loads)
+        more = np.broadcast_to(one.scale, len(stress))[:, None]
+        spread = np.atleast_2d(np.cov(loads.T, bias=True))
+        size = np.sqrt(2 * np.maximum(((stress @ spread) * stress).sum(axis=-1), 0.0))
+        cycles = max(one.loads.shape[1] / _TURN, 1.0)
+        mean = stress @ loads.mean(axis=0)
+        found += one.times * cycles * harm(more * size, more * mean, np.arange(len(stress)))
+    return found
 
 
 def farthest(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
@@ -240,15 +318,17 @@ def farthest(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
     return loads[np.unique([gone.argmin(axis=0), gone.argmax(axis=0)])]
 
 
-def along(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
+def along(loads: FloatArray, worth: FloatArray | float = 1.0, *, alike: bool = True) -> FloatArray:
     """Return how far loads (t, c), each worth so much stress (c,), go, (t, ways).
 
     Along the three ways in which they vary most, and between them: a stress is nearly one of these.
+    They are made `alike` in size, or left as much as they are worth.
     """
     weighed = (loads - loads.mean(axis=0)) * worth
     _, axes = np.linalg.eigh(weighed.T @ weighed)
     main = weighed @ axes[:, -_MOST:]
-    main /= np.maximum(main.std(axis=0), 1e-300)
+    if alike:
+        main /= np.maximum(main.std(axis=0), 1e-300)
     ways = list(product((-1, 0, 1), repeat=main.shape[1]))
     return main @ np.transpose(ways[len(ways) // 2 + 1 :])  # of a way and its opposite, one
 
@@ -272,7 +352,7 @@ def plane_damage(
     passes
         Histories of the loads; their damage adds up.
     harm
-        Damage of cycles: S-N curve and mean-stress correction.
+        Damage of cycles: S-N curve and mean-stress correction, of each place its own.
     closely
         Share of the worst place's damage below which the largest cycle alone is counted.
 
@@ -284,32 +364,37 @@ def plane_damage(
     """
     directions = plane_directions(normals)
     stress = on_planes(unit, directions)
-    rough = _largest(stress, passes, harm)
-    damage = rough.max(axis=1)
+    told = [rough := _largest(stress, passes, harm)]
+    # One hard pull one way may hide the many that tire another.
+    if any(p.loads.shape[1] > _TURN for p in passes):
+        told.append(_steady(stress, passes, harm))
+    damage = np.max(told, axis=(0, 2))
     best = rough.argmax(axis=1)
     # What breaks at once does endless damage, and no share of that is a number.
     least = closely * damage.max(initial=0.0) if closely else 0.0
     counts = np.flatnonzero(damage > least)
-    order = np.argsort(-rough[counts], axis=1)[:, :_BEST]
+    order = np.concatenate([np.argsort(-v[counts], axis=1)[:, :_BEST] for v in told], axis=1)
     share = np.take_along_axis(stress[counts], order[..., None], axis=1)
     exact = np.zeros(order.shape)
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[counts, None, None]
-        t = one.loads.shape[1]
-        for rows in _chunks(len(counts), order.shape[1] * t):
-            done = np.zeros((len(share[rows]), order.shape[1]))
-            for loads in one.loads:
-                signals = (more[rows] * share[rows] @ loads.T).reshape(-1, t)
-                each = harm(*counted(signals)).sum(axis=1)
-                done = np.maximum(done, each.reshape(done.shape))
-            exact[rows] += one.times * done
+        many, t, _ = one.loads.shape
+        width, held = order.shape[1] * many * t, _CHUNK if t > _LONG else _NEAR
+        for rows in _chunks(len(counts), width, most=held):
+            signals = more[rows] * share[rows] @ np.concatenate(one.loads).T
+            amplitude, mean = (
+                v.reshape(len(signals), -1, many, v.shape[1])
+                for v in counted(signals.reshape(-1, t))
+            )
+            each = harm(amplitude, mean, counts[rows])
+            exact[rows] += one.times * each.sum(axis=-1).max(axis=-1)
     damage[counts] = exact.max(axis=1, initial=0.0)
     picked = exact.argmax(axis=1)
     best[counts] = np.take_along_axis(order, picked[:, None], axis=1)[:, 0]
     return damage, directions[np.arange(len(best)), best]
 
 
-def _chunks(count: int, width: int, *, most: int = _CHUNK) -> list[slice]:
+def _chunks(count: int, width: int, *, most: int = _NEAR) -> list[slice]:
     """Return slices of `count` rows that hold no more than `most` numbers."""
     step = max(1, most // max(width, 1))
     return [slice(k, k + step) for k in range(0, count, step)]

@@ -159,7 +159,10 @@ class StepTable(Table):
     file: str = key("the STEP file, beside this one")
     centre: Point = key("the bearing's centre, in the file's coordinates")
     seat: Picks = key("faces the bearing sits on")
-    bolts: Picks = key("faces the frame holds, one a bolt")
+    bolts: Picks = key("faces the frame holds, one a bolt", default=())
+    welded: Picks = key(
+        "faces that are welded to the frame, which holds them every way", default=()
+    )
     thickness: Wall = key("of its walls where stress matters")
     solid: str | None = key("which solid of the file, where it has several", default=None)
 
@@ -168,14 +171,10 @@ class StepTable(Table):
         path = self.at("file").beside(self.file)
         if not path.is_file():
             self.at("file").refuse("no such file", f"looked for {path}", got=self.file)
-        return StepShape(
-            path=str(path),
-            centre=self.centre,
-            seat=self.seat,
-            bolts=self.bolts,
-            thickness=self.thickness,
-            solid=self.solid or "",
-        )
+        return self.attempt(lambda: StepShape(
+            path=str(path), centre=self.centre, seat=self.seat, bolts=self.bolts,
+            welded=self.welded, thickness=self.thickness, solid=self.solid or "",
+        ))  # fmt: skip
 
 
 class ReinforcedTable(Table):

@@ -98,8 +98,8 @@ class Modes:
         Share of the energy that bends brackets.
     flanges : (..., m) 1
         Share of the energy in what holds the flanges.
-    upright : (..., m) 1
-        Share of the rubber's energy that is vertical.
+    upright, axial : (..., m) 1
+        Shares of the rubber's energy that are vertical, and along the shafts; the rest is level.
     travel : (..., m, n-2) 1
         How far the bearings go, the largest 1, with signs along its own direction.
     """
@@ -110,23 +110,29 @@ class Modes:
     bracket: FloatArray
     flanges: FloatArray
     upright: FloatArray
+    axial: FloatArray
     travel: FloatArray
+
+    @property
+    def unmoved(self) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+        """Whether no joint shakes a mode, (..., m): one on rubber along the shaft, which stays."""
+        return (self.axial > 0.5) & (self.bending + self.bracket + self.flanges < 0.5)
 
     def names(self, *case: int) -> list[str]:
         """Return what each mode of a case is called.
 
-        Bounce, lateral, pitch, yaw on rubber; bending, bracket, flange by what gives most.
+        Bounce, lateral, pitch, yaw, axial on rubber; bending, bracket, flange by what gives most.
 
         Bounce and pitch are upright, lateral and yaw level: the bearings together, or against
-        each other.
+        each other. In an axial one a bracket goes to and fro along the shaft that stays.
         """
-        of = (self.bending, self.bracket, self.flanges, self.upright, self.travel)
+        of = (self.bending, self.bracket, self.flanges, self.upright, self.axial, self.travel)
         return [_named(*values) for values in zip(*(v[case] for v in of), strict=True)]
 
 
 def _named(
-    bent: float, given: float, held: float, up: float, going: FloatArray
-) -> Literal["bracket", "bending", "flange", "bounce", "lateral", "pitch", "yaw"]:
+    bent: float, given: float, held: float, up: float, along: float, going: FloatArray
+) -> Literal["bracket", "bending", "flange", "bounce", "lateral", "pitch", "yaw", "axial"]:
     """Return what a mode is called, by shares of its energy and how the bearings go."""
     rubber = 1 - bent - given - held
     if held > max(bent, given, rubber):
@@ -135,8 +141,11 @@ def _named(
         return "bracket"
     if bent > rubber:
         return "bending"
+    level = 1 - up - along
+    if along > max(up, level):
+        return "axial"
     together = bool((going > -0.1).all() or (going < 0.1).all())
-    if up > 0.5:
+    if up > level:
         return "bounce" if together else "pitch"
     return "lateral" if together else "yaw"
 
@@ -583,8 +592,10 @@ class Suspended:
         whole = rubber + bent + others["brackets"] + others["flanges"]
         whole = np.where(whole > 0, whole, 1.0)
         across = moves.reshape(*moves.shape[:-1], -1, 3)
-        upright = energy[..., 0].sum(-1) / np.where(rubber > 0, rubber, 1.0)
-        travel = np.where((upright >= 0.5)[..., None], across[..., 0], across[..., 1])
+        # Vertical, level and along: the way that has most of it tells how the bearings go.
+        ways = energy.sum(-2) / np.where(rubber > 0, rubber, 1.0)[..., None]
+        chief = ways.argmax(axis=-1)[..., None, None]
+        travel = np.take_along_axis(across, chief, axis=-1)[..., 0]
         size = np.abs(travel).max(-1, keepdims=True)
         return Modes(
             frequency=np.sqrt(np.maximum(squares, 0.0)),
@@ -592,7 +603,8 @@ class Suspended:
             bending=bent / whole,
             bracket=others["brackets"] / whole,
             flanges=others["flanges"] / whole,
-            upright=upright,
+            upright=ways[..., 0],
+            axial=ways[..., 2],
             travel=travel / np.where(size > 0, size, 1.0),
         )
 

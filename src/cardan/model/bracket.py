@@ -209,11 +209,16 @@ class StepShape:
     thickness: Metre
     solid: str = ""
     """Which solid of the file, where it has several."""
+    welded: tuple[Pick, ...] = ()
+    """Faces that are welded to the frame: held every way, their edges are weld toes."""
 
     def __post_init__(self) -> None:
         _above_zero("a STEP bracket", thickness=self.thickness)
-        if not self.seat or not self.bolts:
-            msg = "a STEP bracket needs at least one face for its seat and one for its bolts"
+        if not self.seat or not (self.bolts or self.welded):
+            msg = (
+                "a STEP bracket needs at least one face for its seat and one for its bolts, or one "
+                "that is welded"
+            )
             raise DesignError(msg)
 
 
@@ -393,6 +398,14 @@ class Bracket:
             raise DesignError(msg)
         if self.element is not None:
             _above_zero("a bracket", element=self.element)
+        if self.bolts and any(
+            isinstance(s, StepShape) and not s.bolts for s in (self.shape, self.reinforced)
+        ):
+            msg = (
+                "bolts of a bracket that is only welded: give its step file bolts, or leave them "
+                "out"
+            )
+            raise DesignError(msg)
         names = [g.name for g in self.gauges]
         if len(set(names)) < len(names):
             msg = f"the gauges of a bracket need different names, got {', '.join(names)}"

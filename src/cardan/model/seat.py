@@ -65,15 +65,16 @@ class Seat:
         return (np.asarray(forces) @ self.motion.T * more) @ self.parts
 
     def shaken(self, forces: ArrayLike, duration: float) -> FloatArray:
-        """Return the same of a history (t, 3) N that comes back after a time in s, (t, c).
+        """Return the same of histories (..., t, 3) N that come back after a time in s, (..., t, c).
 
         Its mean rests. Exact where the history is sampled finely enough to know its orders.
         """
-        waves = np.fft.rfft(np.asarray(forces, dtype=float), axis=0)
-        W = 2 * np.pi / duration * np.arange(len(waves))
+        forces = np.asarray(forces, dtype=float)
+        waves = np.fft.rfft(forces, axis=-2)
+        W = 2 * np.pi / duration * np.arange(waves.shape[-2])
         beyond = self.beyond(waves, W)
-        beyond[0] = 0.0
-        return np.fft.irfft(beyond, n=len(np.asarray(forces)), axis=0)
+        beyond[..., 0, :] = 0.0
+        return np.fft.irfft(beyond, n=forces.shape[-2], axis=-2)
 
     def _swing(self, frequency: ArrayLike) -> ComplexArray:
         """Return modal amplitude for a modal force of 1, (..., m) s²; at rest nothing is lost."""

@@ -751,7 +751,8 @@ class Response:
     def met(self, spots: points.Spots) -> list[list[Mode | None]]:
         """Return the mode on the rubber that an order meets at points (S, parts), None where none.
 
-        Met is what lies within its resonance's width at half its power, ζ each way.
+        Met is what lies within its resonance's width at half its power, ζ each way, and swings
+        across the shafts: nothing of a joint pushes along them.
         """
         found: list[list[Mode | None]] = [[None] * spots.speed.shape[1] for _ in spots.speed]
         if self.held is None:
@@ -761,6 +762,7 @@ class Response:
             modes = self.held.modes(torque=np.nan_to_num(torque))
             slow = np.maximum(modes.frequency, 1e-300)  # torque may buckle a line
             off = np.abs(np.multiply.outer(orders, speed)[..., None] / slow - 1)
+            off = np.where(modes.unmoved, np.inf, off)
             for state in range(len(speed)):
                 order, k = np.unravel_index(off[:, state].argmin(), off[:, state].shape)
                 if off[order, state, k] <= modes.damping[state, k]:

@@ -451,7 +451,7 @@ def _lives(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[
     yield from _numbers(
         (
             "", say("worst at"), say("damage per turn"), say("damage per hour"),
-            say("hours to failure"),
+            say("hours to the first failure"),
         ), rows, width, words=2,
     )  # fmt: skip
     means = (

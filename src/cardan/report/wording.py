@@ -80,9 +80,9 @@ def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str
         quantity = QUANTITIES[c.quantity]
         low, high = (say.short(end / quantity.factor, 4) for end in c.within)
         means = (
-            "between {low} and {high} by the error of its stress"
+            "between {low} and {high} by the estimated error of the elements"
             if not quantity.unit_name
-            else "between {low} and {high} {unit} by the error of its stress"
+            else "between {low} and {high} {unit} by the estimated error of the elements"
         )
         told.append(say(means, low=low, high=high, unit=quantity.unit_name))
         if c.may_be != c.grade:

@@ -202,8 +202,12 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
         # What rides on rubber swings by itself; what it rides on rigidly swings with it.
         on_rubber = of.bracket.rubber is not None or variant.forced is not None
         own = variant.frequencies if on_rubber else variant.carried
-        reached = SHAKEN * of.top_speed / (2 * np.pi)
-        yield _Value(Occasion("speed", TOP), Part("mode", 1, SHAKEN), float(own[0]) / reached)
+        alone, loaded = variant.first_too_high
+        ratio = float(own[0]) * 2 * np.pi / (SHAKEN * of.top_speed)
+        yield _Value(
+            Occasion("speed", TOP), Part("mode", 1, SHAKEN), ratio,
+            within=(ratio / (1 + (alone if on_rubber else loaded)), ratio),
+        )  # fmt: skip
 
 
 def _fatigue(variant: Judged) -> Iterator[_Value]:
@@ -369,10 +373,11 @@ def _round_the_turn(
     if once is not None:
         theta = 2 * np.pi * np.arange(2 * SAMPLES) / (2 * SAMPLES)
         round_ = np.stack([np.zeros_like(theta), np.cos(theta), np.sin(theta)], axis=-1)
-        # Nobody knows where the heavy spot is: each of eight places is tried.
-        starts = [np.roll(round_, 2 * SAMPLES // 8 * j, axis=0) for j in range(8)]
+        # Nobody knows where the heavy spot is: each of eight places is tried. Those opposite are
+        # the same half a turn later, when all else has come back.
+        starts = [np.roll(round_, 2 * SAMPLES // 8 * j, axis=0) for j in range(4)]
         peak = np.concatenate([turn + once * start for start in starts])
-        yield Case(state, _history(peak, weight), 1.0, second, places=8, what="peak")
+        yield Case(state, _history(peak, weight), 1.0, second, places=len(starts), what="peak")
 
 
 def duty_of(bracket: Bracket, response: Response) -> dict[Occasion, list[tuple[float, Case]]]:

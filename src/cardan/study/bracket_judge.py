@@ -7,13 +7,13 @@ a feature is the worse of the two.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import chain
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.part import Occasion, Part, Point
 from cardan.base.units import Metre, RadianPerSecond, hour
@@ -22,7 +22,7 @@ from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.refine import LEVELS
 from cardan.bracket.shape import WALL
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
-from cardan.bracket.stress import envelope, extremes, some, superpose, von_mises
+from cardan.bracket.stress import envelope, extremes, moments, superpose
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import (
     CLOSELY,
@@ -30,7 +30,9 @@ from cardan.fatigue.critical import (
     Pass,
     along,
     farthest,
+    in_surface,
     on_planes,
+    outermost,
     plane_damage,
     plane_directions,
     reach,
@@ -44,10 +46,9 @@ from cardan.study.bracket_life import Endured, Strength, gauge_damage, loads_of,
 
 ORDERS = (1, 2, 4)
 """Unbalance; joints; joints at large angles."""
-_FEW = 24
-"""Moments of a history by which the places are told where a feature may be worst."""
-_LONG, _TURN = 2000, 0.01
-"""Moments beyond which a history is thinned, and the share of its range that turns must have."""
+_LONG, _TURN, _WIDE = 2000, 0.01, 0.2
+"""Moments beyond which a history is thinned, the share of its range that turns must have, and that
+by which its places are compared before one of each feature is counted by all of them."""
 _STRAIGHT = np.cos(np.radians(30))
 """Of the angle between a force and the way out of the frame, below which it pulls straight off."""
 _PLACES = 6
@@ -105,9 +106,6 @@ class Case:
 
 Duty: TypeAlias = Mapping[Occasion, Sequence[tuple[float, Case]]]
 """The histories of a duty cycle with their shares, in each state that lasts."""
-
-Swings: TypeAlias = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
-"""From stresses (m, planes, c) Pa of loads to mean and amplitude (m, planes) of a pass."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -305,6 +303,15 @@ class Judged:
         return self.solved.sliding.carried
 
     @property
+    def first_too_high(self) -> tuple[float, float]:
+        """Share by which the first frequency may be too high: by itself, and with what it carries.
+
+        What it carries weighs what it weighs: no more than half of the stiffness's own share.
+        """
+        of = self.solved.sliding
+        return float(of.too_high[0]) if len(of.too_high) else 0.0, float(of.too_stiff.max()) / 2
+
+    @property
     def shown(self) -> tuple[Feature, ...]:
         """The features that tables show."""
         return self.features[: self.listed]
@@ -353,12 +360,18 @@ class _Way:
         return np.concatenate([self.held.unit, self.held.swing.unit], axis=1)
 
     @cached_property
-    def planes(self) -> FloatArray:
-        """Normal stress (places, planes, c) Pa of each column of its loads."""
-        directions = plane_directions(self.held.zones.normals)
-        return np.concatenate([
-            on_planes(self.unit[at], directions[at]) for at in _blocks(len(self.unit))
-        ])  # fmt: skip
+    def flat(self) -> FloatArray:
+        """Stress in the surface (places, 3, c) Pa of each column of its loads."""
+        return in_surface(self.unit, self.held.zones.normals)
+
+    def planes(self, at: IntArray) -> FloatArray:
+        """Return the normal stress (m, planes, c) Pa of each column of its loads at places (m,)."""
+        return on_planes(self.unit[at], plane_directions(self.held.zones.normals[at]))
+
+    def held_by(self, passes: FloatArray) -> "_Held":
+        """Return what no place's stress leaves under passes (p, t, c)."""
+        found = reach(passes, self.worth)
+        return _Held(found.levels, *found.swings(self.flat))
 
     @cached_property
     def worth(self) -> FloatArray:
@@ -387,28 +400,28 @@ class _Way:
         swings = self.held.swing.unit.shape[1]
         found = np.pad(case.loads, ((0, 0), (0, swings)))
         if not (case.shakes and np.isfinite(case.duration)):
-            return found if case.places > 1 else self._telling(found)
+            return found if case.places > 1 else self.telling(found)
         columns = [*range(3), *range(len(UNITS), len(UNITS) + swings)]
-        time = case.duration
-        for one in np.split(found, case.places):  # views: what is added stays
-            one[:, columns] += self.held.swing.seat.shaken(one[:, :3], time)
-        return found if case.places > 1 else self._telling(found)
+        each = found.reshape(case.places, -1, found.shape[1])  # a view: what is added stays
+        each[..., columns] += self.held.swing.seat.shaken(each[..., :3], case.duration)
+        return found if case.places > 1 else self.telling(found)
 
-    def _telling(self, loads: FloatArray) -> FloatArray:
+    def telling(self, loads: FloatArray, share: float = _TURN) -> FloatArray:
         """Return the moments of a long history that any stress turns at, the others left out.
 
-        Kept is where any of the ways in which they go `along` turns by more than a hundredth of
-        its range, which no cycle that does harm is below.
+        Kept is where any of the ways in which they go `along` turns by more than a share of the
+        range of the way that stresses most: a hundredth, which no cycle that does harm is below.
         """
         if len(loads) <= _LONG:
             return loads
-        kept = [turns(gone, gate=_TURN) for gone in along(loads, self.worth).T]
+        ways = along(loads, self.worth, alike=False)
+        most = share * float(np.ptp(ways, axis=0).max())
+        kept = [turns(gone, gate=most / np.ptp(gone)) for gone in ways.T if np.ptp(gone) > 0]
         return loads[np.unique(np.concatenate(kept))]
 
     def places(self, loads: FloatArray) -> IntArray:
         """Return the places (features, k) where loads may be worst, a feature's own repeated."""
-        few = some(loads, _FEW)
-        return self.highest(von_mises(superpose(self.unit, few)).max(axis=-1))
+        return self.highest(envelope(self.unit, farthest(loads, self.worth)))
 
     def highest(self, values: FloatArray) -> IntArray:
         """Return the places (features, k) where values (places,) are highest, highest first."""
@@ -423,6 +436,14 @@ class _Way:
     def has(self) -> IntArray:
         """Return whether it has each feature, 1 or 0."""
         return np.bincount(self.feature, minlength=self.count).clip(max=1)
+
+
+class _Held(NamedTuple):
+    """Mean and amplitude (places,) Pa that harm as any cycle of a pass; shares it has of them."""
+
+    levels: tuple[tuple[float, float], ...]
+    mean: FloatArray
+    amplitude: FloatArray
 
 
 @dataclass(frozen=True)
@@ -460,23 +481,24 @@ def _ways(solved: Solved) -> tuple[tuple[_Way, ...], tuple[tuple[int, int], ...]
 
 def _swing(
     way: _Way,
-    loads: FloatArray,
-    places: int,
+    passes: FloatArray,
+    held: _Held,
     strength: Mapping[Zone, Strength],
     times: FloatArray,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return what the normal stress uses of a fatigue limit at every place, its mean and amplitude.
 
-    On the plane that uses most; of so many `times` (features,) the stress that is told. Where no
-    zone's limit is stated, the amplitude itself; where it cannot be the worst of a feature, 0.
-    Where von Mises stress is highest may be far from there: what is steady swings nothing.
+    In the pass (p, t, c) and on the plane that use most; of so many `times` (features,) the stress
+    that is told. Where no zone's limit is stated, the amplitude itself; where it cannot be the
+    worst of a feature, 0. Where von Mises stress is highest may be far from there: what is steady
+    swings nothing.
     """
-    passes = np.stack(np.split(loads, places))
-    swings_at = partial(_swing_at, way, strength=strength, times=times)
     every = np.zeros((3, len(way.feature)))
-    most = swings_at(np.arange(len(way.feature)), [reach(passes, way.worth).swings])[0]
+    more = times[way.feature]
+    kind = way.held.zones.kind
+    most = _used(kind, more * held.mean, more * held.amplitude, strength)
     for at in _in_turn(way, most, every[0]):
-        every[:, at] = swings_at(at, [partial(swings, loads=one) for one in passes])
+        every[:, at] = _swing_at(way, at, passes, strength, times)
     return every[0], every[1], every[2]
 
 
@@ -485,34 +507,32 @@ def _in_turn(way: _Way, most: FloatArray, found: FloatArray) -> Iterator[IntArra
 
     Those where it may be worst; then all where it may be worse than was found there meanwhile.
     """
-    first = np.unique(way.highest(most))
+    first = np.unique(way.highest(most)[:, 0])
     yield first
     best = np.zeros(way.count)
     np.maximum.at(best, way.feature[first], found[first])
     rest = most > best[way.feature]
     rest[first] = False
-    yield np.flatnonzero(rest)
+    if rest.any():
+        yield np.flatnonzero(rest)
 
 
 def _swing_at(
     way: _Way,
     places: IntArray,
-    passes: Sequence[Swings],
+    passes: FloatArray,
     strength: Mapping[Zone, Strength],
     times: FloatArray,
 ) -> FloatArray:
-    """Return use, mean and amplitude (3, m) at some places, in the pass that uses most.
-
-    A pass says what mean and amplitude it makes of stresses (m, planes, c).
-    """
+    """Return use, mean, amplitude (3, m) at some places, in the pass (p, t, c) that uses most."""
     best = np.zeros((3, len(places)))
     for block in _blocks(len(places)):
         at = places[block]
-        stress = way.planes[at]
+        stress = way.planes(at)
         more, kind = times[way.feature[at]][:, None], way.held.zones.kind[at]
         for one in passes:
-            mean, amplitude = one(stress)
-            share = _used(kind, more * mean, more * amplitude, strength) if strength else amplitude
+            mean, amplitude = swings(stress, one)
+            share = _used(kind, more * mean, more * amplitude, strength)
             plane = share.argmax(axis=-1)[:, None]
             found = [np.take_along_axis(v, plane, 1)[:, 0] for v in (share, mean, amplitude)]
             best[:, block] = np.where(found[0] > best[0, block], found, best[:, block])
@@ -527,12 +547,38 @@ def _blocks(count: int) -> list[slice]:
 def _used(
     kind: IntArray, mean: FloatArray, amplitude: FloatArray, strength: Mapping[Zone, Strength]
 ) -> FloatArray:
-    """Return the share (m, ...) of the fatigue limit of zones (m,) of a kind that swings use."""
-    used = np.zeros_like(amplitude)
+    """Return the share (m, ...) of the fatigue limit of zones (m,) of a kind that swings use.
+
+    Where none is stated, the amplitude itself.
+    """
+    return _by_zone(kind, lambda one, own: one.used(amplitude[own], mean[own]), strength, amplitude)
+
+
+def _harm(kind: IntArray, strength: Mapping[Zone, Strength]) -> Harm:
+    """Return the damage of cycles at places, each by the curve of its zone (m,) of a kind."""
+
+    def harm(amplitude: FloatArray, mean: FloatArray, at: IntArray) -> FloatArray:
+        return _by_zone(
+            kind[at], lambda one, own: one.harm(amplitude[own], mean[own]), strength, amplitude
+        )
+
+    return harm
+
+
+def _by_zone(
+    kind: IntArray,
+    asked: Callable[[Strength, BoolArray], FloatArray],
+    strength: Mapping[Zone, Strength],
+    unknown: FloatArray,
+) -> FloatArray:
+    """Return what is asked of the strength of zones (m,) of a kind, and which are its, (m, ...)."""
+    if not strength:
+        return unknown
+    found = np.zeros_like(unknown)
     for zone in np.unique(kind).tolist():
         own = kind == zone
-        used[own] = strength[ZONES[zone]].used(amplitude[own], mean[own])
-    return used
+        found[own] = asked(strength[ZONES[zone]], own)
+    return found
 
 
 def _damage(
@@ -547,58 +593,46 @@ def _damage(
     """Return the damage (m,) of passes at places, each by the curve of its zone.
 
     Of so many `times` (m,) the stress that is told; passes have a scale of each feature. Where
-    it is less than a share `closely` of the worst of its zone the largest cycle alone counts.
+    it is less than a share `closely` of the worst the largest cycle alone counts.
     """
-    scale = np.broadcast_to(times, len(at))[:, None, None]
-    done = np.zeros(len(at))
-    for mine, own, harm in _by_zone(way, at, passes, strength):
-        unit, normals = way.unit[at[mine]] * scale[mine], way.held.zones.normals[at[mine]]
-        done[mine], _ = plane_damage(unit, normals, own, harm=harm, closely=closely)
-    return done
+    unit = way.unit[at] * np.broadcast_to(times, len(at))[:, None, None]
+    there = [replace(p, scale=_scale(way, p)[at]) for p in passes]
+    harm = _harm(way.held.zones.kind[at], strength)
+    return plane_damage(unit, way.held.zones.normals[at], there, harm=harm, closely=closely)[0]
 
 
-def _at_most(way: _Way, passes: Sequence[Pass], strength: Mapping[Zone, Strength]) -> FloatArray:
-    """Return what damage passes may do at every place (m,): as if each cycle were the largest."""
-    most = np.zeros(len(way.feature))
-    held = [reach(p.loads, way.worth) for p in passes]
-    for block in _blocks(len(way.feature)):
-        at = np.arange(len(way.feature))[block]
-        stress = way.planes[at]
-        for mine, own, harm in _by_zone(way, at, passes, strength):
-            done = np.zeros(stress[mine].shape[:2])
-            for one, within in zip(own, held, strict=True):
-                mean, amplitude = within.swings(stress[mine])
-                more = np.broadcast_to(one.scale, len(mine))[:, None]
-                done += one.times * within.cycles * harm(more * amplitude, more * mean)
-            most[at[mine]] = done.max(axis=1)
-    return most
-
-
-def _by_zone(
-    way: _Way, at: IntArray, passes: Sequence[Pass], strength: Mapping[Zone, Strength]
-) -> Iterator[tuple[IntArray, list[Pass], Harm]]:
-    """Yield of each zone which of some places are its own, the passes there and what they do."""
-    kind, feature = way.held.zones.kind[at], way.feature[at]
-    for zone in np.unique(kind).tolist():
-        mine = np.flatnonzero(kind == zone)
-        scaled = [
-            replace(p, scale=np.broadcast_to(p.scale, way.count)[feature[mine]]) for p in passes
-        ]
-        yield mine, scaled, strength[ZONES[zone]].harm
+def _scale(way: _Way, one: Pass) -> FloatArray:
+    """Return by how much what a pass stresses is more at each place, (places,)."""
+    return np.broadcast_to(one.scale, way.count)[way.feature]
 
 
 def _worn(
-    way: _Way, passes: Sequence[Pass], strength: Mapping[Zone, Strength]
+    way: _Way,
+    passes: Sequence[Pass],
+    held: Sequence[_Held],
+    strength: Mapping[Zone, Strength],
 ) -> tuple[IntArray, FloatArray]:
     """Return the place (features,) where passes do each feature most damage, and how much.
 
-    Counted wherever they may do most.
+    Counted wherever they may do most: as if all cycles pulled there. Of a long history the place is
+    that which its wide cycles wear most, and all of them count there.
     """
-    most = _at_most(way, passes, strength)
+    wide = [
+        replace(p, loads=way.telling(p.loads[0], _WIDE)[None]) if len(p.loads) == 1 else p
+        for p in passes
+    ]
+    harm, every = _harm(way.held.zones.kind, strength), np.arange(len(way.feature))
+    most = np.zeros(len(every))
+    for one, of in zip(passes, held, strict=True):
+        more = _scale(way, one)
+        for share, count in of.levels:
+            most += one.times * count * harm(more * share * of.amplitude, more * of.mean, every)
     done = np.full(len(most), -1.0)
     for at in _in_turn(way, most, done):
-        done[at] = _damage(way, at, passes, strength)
+        done[at] = _damage(way, at, wide, strength)
     top = way.highest(done)[:, 0]
+    if any(p.loads.shape != w.loads.shape for p, w in zip(passes, wide, strict=True)):
+        done[top] = _damage(way, top, passes, strength)
     return top, np.where(way.has, done[top], 0.0)
 
 
@@ -611,8 +645,8 @@ def _span(
 ) -> FloatArray:
     """Return the damage (m, 2) at places where stress is lower, and higher, by its error (m,)."""
     off = np.minimum(error, 1.0)
-    each = (_damage(way, at, passes, strength, 1 + sign * off) for sign in (-1, 1))
-    return np.stack([*each], axis=-1)
+    ends = np.concatenate([1 - off, 1 + off])
+    return _damage(way, np.tile(at, 2), passes, strength, ends).reshape(2, -1).T
 
 
 # --------------------------------------------------------------------------- judge
@@ -759,7 +793,9 @@ def _worst_of(
         swung = [one - one.mean(axis=0) for one in each]
         far = [way.places(farthest(np.concatenate(of), way.worth)) for of in (each, swung)]
         at = np.unique(far)
-        stress = np.maximum(stress, [envelope(way.unit[at], one).max() for one in each])
+        starts = np.cumsum([0, *map(len, each[:-1])])
+        levels = moments(way.unit[at], np.concatenate(each))
+        stress = np.maximum(stress, np.maximum.reduceat(levels, starts))
         if case.repeats:
             passes = [
                 np.stack(np.split(v, c.places)) for v, c in zip(each, case.among, strict=True)
@@ -786,17 +822,17 @@ def _swung_most(
 
     Of those points that may use most; of others, what was `found` stays.
     """
-    kind = way.held.zones.kind[at]
-
-    def used(of: Sequence[Swings]) -> FloatArray:
-        most = np.zeros(len(ZONES))
-        np.maximum.at(most, kind, _swing_at(way, at, of, strength, np.ones(way.count))[0])
-        return most
-
-    most = np.stack([used([reach(passes, way.worth).swings]) for passes in points])
-    for k in np.argsort(-(most / np.maximum(most.max(axis=0), 1e-300)).max(axis=1)).tolist():
-        if (most[k] > found.max(axis=0)).any():
-            found[k] = np.maximum(found[k], used([partial(swings, loads=p) for p in points[k]]))
+    kind, ones = way.held.zones.kind[at], np.ones(way.count)
+    held = [reach(passes, way.worth).swings(way.flat[at]) for passes in points]
+    most = np.stack([_used(kind, *of, strength) for of in held])
+    zones = [most[:, kind == zone].max(axis=1, initial=0.0) for zone in range(len(ZONES))]
+    first = np.stack([of / max(of.max(), 1e-300) for of in zones]).max(axis=0)
+    best = found.max(axis=0)
+    for k in np.argsort(-first).tolist():
+        asked = most[k] > best[kind]
+        used = _swing_at(way, at[asked], points[k], strength, ones)[0]
+        np.maximum.at(found[k], kind[asked], used)
+        best = np.maximum(best, found[k])
 
 
 def _held(o: Outcome, contact: Contact, way: _Way) -> Outcome:
@@ -881,25 +917,28 @@ def _outcome(
         places = way.places(loads)
         flat = places.ravel()
         unit = way.unit[flat]
-        found = extremes(unit, loads)
+        outer, _ = outermost(loads, way.worth)
+        found = extremes(unit, outer)
         best.append(tuple(
             Found(e.value, _point(way.points[flat[e.point]]))
             for e in (found.von_mises, found.highest, found.lowest)
         ))  # type: ignore[arg-type]  # fmt: skip
-        level = von_mises(superpose(unit, loads)).max(axis=-1).reshape(places.shape)
+        level = envelope(unit, outer).reshape(places.shape)
         level *= way.has[:, None]
         top = places[np.arange(count), level.argmax(axis=1)]
         peaks.append(_Peak.of(way, top, level.max(axis=1)))
         hot = np.maximum(hot, level.max(axis=1))
-        share, m, a = _swing(way, loads, case.places, strength, times)
+        passes = np.stack(np.split(loads, case.places))
+        held = way.held_by(passes)
+        share, m, a = _swing(way, passes, held, strength, times)
         most = way.highest(share)[:, 0]
         worse = share[most] * way.has > swung
         swung = np.where(worse, share[most], swung)
         mean, amplitude = np.where(worse, m[most], mean), np.where(worse, a[most], amplitude)
         if strength and case.repeats:
-            passes = [Pass(np.stack(np.split(loads, case.places)), scale=times)]
-            worn, done = _worn(way, passes, strength)
-            within = _span(way, worn, passes, strength, error) * way.has[:, None]
+            does = [Pass(passes, scale=times)]
+            worn, done = _worn(way, does, [held], strength)
+            within = _span(way, worn, does, strength, error) * way.has[:, None]
             span = np.fmax(span, within)
             spent = np.fmax(spent, done)
     swung_within = np.full((count, 2), np.nan)
@@ -984,7 +1023,8 @@ def _duty(
         worst, span = np.zeros(ways[0].count), np.zeros((ways[0].count, 2))
         for way in ways:
             passes = _passes(way, parts)
-            top, done = _worn(way, passes, strength)
+            held = [way.held_by(p.loads) for p in passes]
+            top, done = _worn(way, passes, held, strength)
             worst = np.maximum(worst, done)
             within = _span(way, top, passes, strength, error)
             span = np.maximum(span, within * way.has[:, None])
@@ -1075,10 +1115,12 @@ def _sorted(o: Outcome, order: IntArray) -> Outcome:
 def _on_edge(solved: Solved, loads: FloatArray) -> Found:
     """Return the largest von Mises stress at any node of the surface."""
     surface = solved.nodes.surface
-    few = some(loads, _FEW)
-    level = von_mises(superpose(solved.stress[surface], few)).max(axis=-1)
+    stress = solved.stress[surface]
+    level = envelope(stress, farthest(loads, np.sqrt(np.mean(stress**2, axis=(0, 2)))))
+    top = np.argsort(-level)[:_PLACES]
+    level = envelope(stress[top], loads)
     worst = int(level.argmax())
-    return Found(float(level[worst]), _point(solved.nodes.points[surface[worst]]))
+    return Found(float(level[worst]), _point(solved.nodes.points[surface[top[worst]]]))
 
 
 def _point(at: FloatArray) -> tuple[Metre, Metre, Metre]:

@@ -4,10 +4,15 @@ What was recorded stays as it is, road, engine and all, but for the joints' forc
 bearing: that of the line as it was identified is taken off, that of the changed line driven at
 the same torque and speed is put on, each through the stress that a unit force was found to make
 at the gauge. Held against a multibody engine that drives the changed line: `docs/case.md`.
+
+The force on the bearing (`bearing_history`) is told the same way: the joints' by the line, the rest
+read back from the gauges. By the joints alone a bend whose joints are cured was promised 31 000
+hours where it has 10 440: at a slope of 9 a little road on what is left of order 2 counts thrice.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -17,7 +22,14 @@ from cardan.fatigue.life import GaugeLife, Plan
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.usage import usage
 from cardan.model.application import Application
-from cardan.study.identification import Identification, load_history
+from cardan.study.identification import STRETCH, Identification, load_history
+
+TOLD = 0.2
+"""Share of what the force that gauges feel most does to them, below which a force is not read back:
+what a wire has of noise would stand for it."""
+
+FASTEST = 500.0
+"""Samples a second that a history has at most: those of a mode of 60 Hz miss 2 % of its crests."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,3 +88,39 @@ def promised(
         )
         for g, one, u in zip(plan.gauges, lives, counted, strict=True)
     )  # fmt: skip
+
+
+def bearing_history(
+    of: Identification, stress: Iterable[FloatArray], *, rate: float, rotation: Rotation,
+    torque: tuple[FloatArray, float], seconds: float, application: Application | None = None,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Force on the bearing over a recording, (n,) s and (n, 3) N, vehicle axes: all that shakes it.
+
+    The joints' is that of the line as it was identified, or of another one driven so. What gauges
+    feel beside the joints, road, engine and what is unbalanced, is the least force that does so,
+    without what is slower than `STRETCH`: a zero that creeps. A gauge that has a hole is taken to
+    have felt what the line says.
+
+    Parameters
+    ----------
+    stress : (gauges, n) Pa
+        Pieces of what was recorded, from the start, of the gauges of `of`.
+    rate : Hz
+        Of its samples.
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    step = max(1, round(rate / FASTEST))
+    drive = partial(load_history, of, rotation, torque, seconds=seconds, rate=rate / step)
+    time, joints = drive()
+    felt, back = np.zeros_like(joints), np.linalg.pinv(of.units, rcond=TOLD)
+    done = 0
+    for piece in stress:
+        first = -(-done // step)
+        own = piece[:, first * step - done :: step][:, : max(len(time) - first, 0)]
+        here = slice(first, first + own.shape[-1])
+        felt[here] = np.nan_to_num(own.T - joints[here] @ of.units.T) @ back.T
+        done += piece.shape[-1]
+    slow = uniform_filter1d(felt, max(1, round(STRETCH * rate / step)), axis=0, mode="nearest")
+    force = joints if application is None else drive(application=application)[1]
+    return time, force + felt - slow

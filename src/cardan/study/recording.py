@@ -48,7 +48,7 @@ from cardan.study.campaign import ASKED, NAME, TURN, Campaign, Misread, keyed, n
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
 from cardan.study.otherwise import Otherwise, grown, mixed, odds, strained
-from cardan.study.promise import Promised, promised
+from cardan.study.promise import Promised, bearing_history, promised
 from cardan.study.usage import Used, used
 
 NEEDS = "a recording in which all its channels move"
@@ -806,13 +806,37 @@ def _promised(
     """Return what the changed line promises at the gauges that the line was identified by."""
     changed = campaign.changed
     assert changed is not None  # who asks looks
-    heard = [(g, one) for g, one in zip(plan.gauges, lives, strict=True) if g.name in of.gauges]
-    own = replace(plan, gauges=tuple(g for g, _ in heard))
+    own = _identifying(plan, of)
     stress = room.stresses(recording, plan=own, healths=healths, name="changed", progress=progress)
     return promised(
         of, changed, stress, rate=recording.rate, rotation=rotation,
         torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded, plan=own,
-        lives=[one for _, one in heard],
+        lives=[one for one in lives if one.name in of.gauges],
+    )  # fmt: skip
+
+
+def _identifying(plan: Plan, of: Identification) -> Plan:
+    """Return the plan of the gauges that the line was identified by."""
+    return replace(plan, gauges=tuple(g for g in plan.gauges if g.name in of.gauges))
+
+
+def history_of(
+    campaign: Campaign, of: Heard, *, changed: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Return the force on the bearing over a recording, (n,) s and (n, 3) N, as `bearing_history`.
+
+    Of the line as it was identified, or of the campaign's changed one.
+    """
+    assert of.identification is not None  # who asks looks
+    assert of.angle is not None
+    healths = {name: one for life in of.lives for name, one in life.health.items()}
+    stress = room.stresses(
+        of.recording, plan=_identifying(of.plan, of.identification), healths=healths, name="force"
+    )
+    return bearing_history(
+        of.identification, stress, rate=of.recording.rate, rotation=of.angle.rotation,
+        torque=campaign.read_torque(of.recording), seconds=of.lives[0].quality.recorded,
+        application=campaign.changed if changed else None,
     )  # fmt: skip
 
 
