@@ -397,6 +397,19 @@ def test_volts_are_scaled(tmp_path):
     assert run(path, *more, "--scale", "B3=4:MPa").exit_code == 2
 
 
+def test_a_scaled_channel_is_of_the_unit_it_is_scaled_to(tmp_path):
+    """`--gauge B1:MPa --scale B1=2:kPa` took kPa for MPa: a thousand times the stress."""
+    text = "time [s],B1 [mV/V]\n" + rows(shown(T), shown(S1))
+    path = write(tmp_path / "a.csv", text)
+    more = ("--sn", "30,2e6,5", "--scale", "B1=2000:kPa", "--json")
+    alike = [json.loads(run(path, "--gauge", g, *more).output)["gauges"][0]["high_MPa"]
+             for g in ("B1", "B1:kPa")]  # fmt: skip
+    assert alike == pytest.approx([2 * S1.max()] * 2, rel=1e-5)
+    refusal = run(path, "--gauge", "B1:MPa", *more)
+    assert refusal.exit_code == 2
+    assert "--scale turns it into kPa, and it is taken for MPa" in " ".join(refusal.output.split())
+
+
 def test_the_vehicle_s_speed_turns_the_shaft(tmp_path):
     """36 km/h on tyres of 0.5 m and an axle of 4: 10/(2π 0.5) · 4 = 12.7 turns/s, for 3 s."""
     text = "time [s],S1 [MPa],spd [km/h]\n" + rows(shown(T), shown(S1), ["36.0"] * N)

@@ -73,6 +73,8 @@ WHOLE = "".join(f"{k};5\n" for k in range(20000))
 LONG = "".join(f"{k / 500},1,2\n" for k in range(9000))
 HOSTILE = {
     "a word": ("time,S1\n0,1\n0.002,2\n0.004,three\n0.006,4\n", "then a row is not numbers"),
+    "numbers above names": ("Lab\n2024,11\n\ntime,S1\ns,MPa\n0,1\n0.002,2\n0.004,3\n",
+                            "a.csv:4: numbers begin at line 2 .*'time' in column 1"),
     "late word": ("time,S1,S2\n\n" + LONG + "18,x,1\n", "a.csv:9003: column .S1. .*x"),
     "late infinity": ("time,S1,S2\n" + LONG + "18,1,-inf\n", "a.csv:9002: column 'S2' .*'-inf'"),
     "short row": ("time,S1,S2\n" + LONG + "18,5\n" + LONG, "3 columns"),
@@ -211,6 +213,24 @@ def test_hdf5_packed_as_integers(tmp_path):
         file["S1"].attrs.update(packed)
     kept = open_recording(tmp_path / "a.h5").whole()[0]
     np.testing.assert_array_equal(kept[:4], [53, 128, np.nan, 6.5])
+
+
+@pytest.mark.parametrize("factor", ["2.0", b"2.0", np.array(["2.0"], object), np.array([2.0])])
+def test_hdf5_packed_by_what_is_written_as_a_text(tmp_path, factor):
+    """A factor written as a text was passed over: 684 h were told for 14."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file.attrs["sample_rate"] = RATE
+        file["S1"] = np.array([100, 250, 7] * 10, np.int16)
+        file["S1"].attrs.update({"scale_factor": factor, "unit": np.array(["MPa"], object)})
+    recording = open_recording(tmp_path / "a.h5")
+    assert recording.channels[0].unit == "MPa"
+    np.testing.assert_array_equal(recording.whole()[0][:3], [200, 500, 14])
+    with h5py.File(tmp_path / "b.h5", "w") as file:
+        file.attrs["sample_rate"] = RATE
+        file["S1"] = np.ones(30)
+        file["S1"].attrs["scale_factor"] = "two"
+    refused(tmp_path / "b.h5", "its scale_factor is not a number .*two")
 
 
 def test_decimals_of_parquet_are_numbers(tmp_path):

@@ -13,6 +13,7 @@ from cardan.fatigue.angle import readings, shaft_angle
 from cardan.fatigue.damage import miner
 from cardan.fatigue.evidence import (
     ALIKE,
+    BORROWED,
     CANNOT_TELL,
     GUILTY,
     INNOCENT,
@@ -275,6 +276,48 @@ def test_nor_is_it_added_to_what_is_theirs():
     assert answer.evidence.strength > FOUND
     assert answer.evidence.interval[0] < 0.3
     assert SCALED in answer.evidence.doubts
+
+
+def lugs(seed, *, order, axle, direct):
+    """A recording in which 18 lugs of a tyre strike the harder the more it pulls, and no joint.
+
+    Derived: a wheel turns once where the shaft turns as often as the axle's ratio says.
+    """
+    case = beside_order_2(seed, at=order, by_torque=True, size=25.0)
+    angle = shaft_angle(case.speed, rate=case.rate)
+    engine = angle.rotation.geared(1.0 if direct else 1.37)
+    stress = case.stress * 1e6
+    return identified(
+        stress, rate=case.rate, angle=angle, torque=case.torque, damage=damage, engine=engine,
+        engine_orders=(3.0, 6.0), wheel=angle.rotation.geared(1 / axle) if axle else None,
+    ).evidence  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("order", "axle", "direct", "finding"),
+    [(18 / 9.067, 9.067, False, CANNOT_TELL), (18 / 9.067, None, True, CANNOT_TELL),
+     (2.0, 9.0, False, CANNOT_TELL), (18 / 9.067, 9.3, False, GUILTY), (2.0, 4.5, True, GUILTY)],
+    ids=["at a wheel's whole order", "in direct gear", "at the shaft's own",
+         "where nothing says so", "of too few lugs"],
+)  # fmt: skip
+def test_a_speed_that_is_right_lends_no_order_2(order, axle, direct, finding):
+    """Of 58 gauges beside lugged tyres most were called guilty, at a speed 0.7 % off its own."""
+    found = lugs(8, order=order, axle=axle, direct=direct)
+    assert found.finding == finding
+    assert (BORROWED in found.doubts) == (finding == CANNOT_TELL)
+
+
+def test_a_motor_that_turns_twice_as_fast_is_asked_though_its_maker_names_no_order_1():
+    """Of 24 gauges beside such a motor 21 were called guilty of what its rotor did."""
+    case = made(8, **PLAIN | {"guilt": 1.5, "road": 2.0, "blows": 0, "engine": 0.0})
+    angle = shaft_angle(case.speed, rate=case.rate)
+    for times, finding in ((2.0, CANNOT_TELL), (3.0, GUILTY)):
+        found = identified(
+            case.stress * 1e6, rate=case.rate, angle=angle, torque=case.torque, damage=damage,
+            engine=angle.rotation.geared(times), engine_orders=(8.0, 24.0),
+        ).evidence  # fmt: skip
+        assert found.finding == finding
+        assert (ALIKE in found.doubts) == (finding == CANNOT_TELL)
 
 
 def test_what_is_the_same_under_any_torque_is_no_other_shaft_s_order_2():

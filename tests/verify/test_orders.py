@@ -325,3 +325,21 @@ def test_a_stop_between_pulses_moves_none_of_them():
     assert np.abs(np.diff(found.time)).max() > 5.5
     assert found.turns.size == found.time.size
     assert np.abs((found.at(7.0) - found.at(2.0)) - 50) < 0.02
+
+
+def test_causes_that_rest_for_a_while_are_counted_as_if_they_did_not():
+    """Every choice against its own sum, counted by `rainflow` in one piece."""
+    rng = np.random.default_rng(3)
+    names, acts = ("a", "b", "c"), [(0, 1), (0,), (0,), (0, 1, 2), (1,), (), (0, 2), (0, 1)]
+    stretches = []
+    for acting in acts:
+        parts = np.zeros((3, 1, 200))
+        parts[list(acting)] = 60e6 * rng.normal(size=(len(acting), 1, 200))
+        stretches.append(parts)
+    (found,) = attribute(stretches, causes=names, curve=CURVE)
+    whole = np.concatenate(stretches, axis=-1)[:, 0]
+    for choice in range(1, 8):
+        alone = whole[[k for k in range(3) if choice >> k & 1]].sum(0)
+        # What is passed over is a ten-thousandth of the damage of all.
+        expected = miner(rainflow(alone), curve=CURVE)
+        assert found.damage[choice] == pytest.approx(expected, abs=1e-4 * found.damage[-1])

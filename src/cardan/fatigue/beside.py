@@ -24,6 +24,8 @@ guilty lines on a stop that had been acquitted had 0.28 to 0.85, 3 % of 168 inno
 """
 FOUR_CYLINDERS = 2.0
 """Order of an engine that in direct gear turns as the joints do."""
+ITS_OWN = 1.0
+"""Order that whatever turns has of itself, the crank's or a rotor's, whoever lists its orders."""
 IDLE = 8.0
 """Turns a second below which no engine turns with the shaft: 480 rpm, where it would stall."""
 LEFT = 0.85
@@ -91,11 +93,12 @@ def alike(
 ) -> BoolArray | None:
     """Return where an engine order may run with order 2 (n,); None where hardly any does.
 
-    An engine that nobody heard may do so above its idle speed, if it has four cylinders.
+    An engine that nobody heard may do so above its idle speed, if it has four cylinders. One that
+    turns twice as fast as the shaft does so by its own turning.
     """
     if engine is None:
         return above_idle(scene) if FOUR_CYLINDERS in orders else None
-    close = running(scene, engine, orders, time, within=0.5)
+    close = running(scene, engine, (ITS_OWN, *orders), time, within=0.5)
     turning = scene.speed > SLOWEST / 2
     return close if turning.any() and np.mean(close[turning]) >= 0.2 else None
 

@@ -227,27 +227,25 @@ class _Choices:
     """Damage of one channel over all choices of causes, as stretches pass.
 
     A cause that has done nothing so far changes nothing: until it acts, choices with it are
-    those without.
+    those without. While the same ones act, those that rest are not asked: what was counted so is
+    that of any choice of them, but for where it begins.
     """
 
     def __init__(self, curve: SNCurve, correction: Correction) -> None:
         self.curve, self.correction = curve, correction
-        self.acting: list[int] = []
+        self.acted: list[int] = []
         self.damage: dict[int, float] = {0: 0.0}
         self.residue: dict[int, FloatArray] = {0: NONE}
+        self.here: list[int] = []
+        self.lately: dict[int, float] = {}
+        self.open: dict[int, FloatArray] = {}
 
     def add(self, parts: FloatArray, gate: float) -> None:
         """Count every choice of a stretch (causes, n), without cycles below a gate."""
         here = np.flatnonzero(parts.any(-1)).tolist()
-        for k in here:
-            if k not in self.acting:
-                self.acting.append(k)
-                for book in (self.damage, self.residue):
-                    book |= {choice | 1 << k: value for choice, value in book.items()}
-        # Who rests in this stretch changes nothing in it: they only have other residues.
-        rests = [0]
-        for k in self.acting:
-            rests += [] if k in here else [others | 1 << k for others in rests]
+        if here != self.here:
+            self._spread()
+            self.here = here
         x, choice = np.zeros(parts.shape[1]), 0
         closed: dict[int, Cycles] = {}
         # Gray's order: from one choice to the next a single cause comes or goes.
@@ -257,25 +255,43 @@ class _Choices:
                 choice ^= 1 << k
                 (np.add if choice >> k & 1 else np.subtract)(x, parts[k], out=x)
             kept = without_small(x, gate=gate)
-            for of in (choice | others for others in rests):
-                if of:
-                    closed[of], self.residue[of] = four_point(kept, residue=self.residue[of])
+            closed[choice], self.open[choice] = four_point(
+                kept, residue=self.open.get(choice, NONE)
+            )
             if len(closed) >= AT_ONCE or step + 1 == 1 << len(here):
-                self._done(closed)
+                for of, done in self._done(closed):
+                    self.lately[of] = self.lately.get(of, 0.0) + done
                 closed = {}
 
-    def _done(self, closed: dict[int, Cycles]) -> None:
-        """Enter the damage of some choices' cycles: of few, none costs as much as a call."""
-        if not closed:
-            return
+    def _spread(self) -> None:
+        """Enter what was counted lately, with every choice of those that rested then."""
+        for k in self.here:
+            if k not in self.acted:
+                self.acted.append(k)
+                for book in (self.damage, self.residue):
+                    book |= {choice | 1 << k: value for choice, value in book.items()}
+        rests = [0]
+        for k in self.acted:
+            rests += [] if k in self.here else [others | 1 << k for others in rests]
+        closed: dict[int, Cycles] = {}
+        for choice, left in self.open.items():
+            for of in (choice | others for others in rests):
+                closed[of], self.residue[of] = four_point(left, residue=self.residue[of])
+                self.damage[of] += self.lately[choice]
+        for of, done in self._done(closed):
+            self.damage[of] += done
+        self.lately, self.open = {}, {}
+
+    def _done(self, closed: dict[int, Cycles]) -> Iterator[tuple[int, float]]:
+        """Yield the damage of some choices' cycles: of few, none costs as much as a call."""
         done = damages(join(closed.values()), curve=self.curve, correction=self.correction)
         of = np.repeat(np.arange(len(closed)), [cycles.count.size for cycles in closed.values()])
-        for choice, own in zip(closed, np.bincount(of, done, len(closed)), strict=True):
-            self.damage[choice] += float(own)
+        yield from zip(closed, np.bincount(of, done, len(closed)).tolist(), strict=True)
 
     def closed(self, rule: ResidueRule, *, causes: int, whole: float) -> FloatArray:
         """Return the damage of every choice (2^causes,), with that of all causes known."""
-        acted = sum(1 << k for k in self.acting)
+        self._spread()
+        acted = sum(1 << k for k in self.acted)
         done = {
             c: d + miner(rule(self.residue[c]), curve=self.curve, correction=self.correction)
             for c, d in self.damage.items()

@@ -39,6 +39,10 @@ SCALED = said(
     "more is locked beside the orders of the speed given: is its scale wrong, as by a number of "
     "teeth, or does something else turn there?"
 )
+BORROWED = said(
+    "what is locked goes with another scale of the speed, and at that one an order of the wheels "
+    "lies, or the engine in direct gear says that the speed is right: it may be another's"
+)
 BESIDE = said("more stands close beside order 2 than farther off: angles that ride may hide them")
 PASSING = said(
     "what stands about order 2 comes and goes with it, though nothing is locked: angles that ride "
@@ -87,6 +91,7 @@ DOUBTS = (
     DOUBLED,
     HALVED,
     SCALED,
+    BORROWED,
     BESIDE,
     PASSING,
     BRIEF,

@@ -23,6 +23,7 @@ from cardan.fatigue.cause import (
     ENGINE,
     FIRING,
     JOINTS,
+    ROAD,
     Attribution,
     Comparison,
     Separation,
@@ -275,7 +276,7 @@ class _Count(_Tally):
         )  # fmt: skip
 
 
-_PLANES = range(0, 180, 45)
+_PLANES = range(0, 180, 15)
 _MEASURES: dict[str, Callable[[PlaneStress], FloatArray]] = {
     "mises": signed_mises,
     "principal": largest,
@@ -799,6 +800,8 @@ class _Joints:
         self.plan, self.recording, self.angle, self.torque = plan, recording, angle, torque
         engine = [s.tone for s in how.suspects if s.cause == ENGINE]
         self.engine = engine[0].rotation if engine else None
+        wheel = [s.tone for s in how.suspects if s.cause == ROAD]
+        self.wheel = wheel[0].rotation if wheel else None
         self.engine_orders = tuple(engine_orders) or (*FIRING, FOUR_CYLINDERS)
         self.told: list[list[tuple[Evidence, float]]] = [[] for _ in plan.gauges]
         self.held: list[tuple[int, _Coarse, _Coarse]] = []
@@ -823,7 +826,8 @@ class _Joints:
             answers = [
                 identified(
                     x, rate=rate, angle=self.angle, torque=torque, damage=self.damage,
-                    engine=self.engine, engine_orders=self.engine_orders, start=start / rate,
+                    engine=self.engine, engine_orders=self.engine_orders, wheel=self.wheel,
+                    start=start / rate,
                 )
                 for x in piece
             ]  # fmt: skip

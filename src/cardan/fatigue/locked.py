@@ -312,7 +312,7 @@ def solved(
     """Coefficients of y ≈ Re Σ c X by least squares, and the energy explained."""
     rows = _real(columns)
     c, energy = _explained(rows @ rows.T, rows @ y, ridge=ridge)
-    return _paired(c), energy
+    return _paired(c), float(energy)
 
 
 def _paired(c: FloatArray) -> ComplexArray:
@@ -418,16 +418,20 @@ def _fitted(
     columns: ComplexArray, z: ComplexArray, *, ridge: float = RIDGE
 ) -> tuple[ComplexArray, float]:
     """Coefficients of z ≈ Σ c X by least squares, and the energy explained."""
-    return _explained(np.conj(columns) @ columns.T, np.conj(columns) @ z, ridge=ridge)
+    back = np.conj(columns)
+    c, energy = _explained(back @ columns.T, back @ z, ridge=ridge)
+    return c, float(energy)
 
 
-def _explained(gram: np.ndarray, right: np.ndarray, *, ridge: float) -> tuple[np.ndarray, float]:
-    """Solve normal equations: coefficients, and the energy explained."""
-    scale = np.sqrt(np.maximum(np.real(gram.diagonal()), 1e-300))
-    gram = gram / (scale * scale[:, None])
-    gram[np.diag_indices(scale.size)] += ridge
-    c = np.linalg.solve(gram, right / scale) / scale
-    return c, float(np.real(np.conj(c) @ right))
+def _explained(
+    gram: np.ndarray, right: np.ndarray, *, ridge: float
+) -> tuple[np.ndarray, FloatArray]:
+    """Solve normal equations (..., k, k): coefficients (..., k), and the energy explained (...)."""
+    scale = np.sqrt(np.maximum(np.real(np.diagonal(gram, axis1=-2, axis2=-1)), 1e-300))
+    gram = gram / (scale[..., None, :] * scale[..., None])
+    gram = gram + ridge * np.eye(scale.shape[-1])
+    c = np.linalg.solve(gram, (right / scale)[..., None])[..., 0] / scale
+    return c, np.real((np.conj(c) * right).sum(-1))
 
 
 def _freely(
@@ -472,13 +476,17 @@ def _searched(
                 for k in range(0, len(fresh), 4)
                 for row in slow.turning.through(fresh[k : k + 4])
             )
-            for mode, rows in zip(fresh, followed, strict=True):
-                # One by one: of a few long rows BLAS makes copies first.
-                met = np.array([[row @ one for one in known] for row in rows])
-                own = np.array([[np.vdot(one, row) for one in rows] for row in rows])
-                theirs, right = met[:, :-1], np.conj(met[:, -1])
-                gram = np.conj(own - theirs @ np.conj(theirs.T))
-                gains[mode] = _explained(gram, right, ridge=1e-6)[1]
+            # One by one: of a few long rows BLAS makes copies first.
+            products = [
+                ([[row @ one for one in known] for row in rows],
+                 [[np.vdot(one, row) for one in rows] for row in rows])
+                for rows in followed
+            ]  # fmt: skip
+            if fresh:
+                met, own = (np.array(each) for each in zip(*products, strict=True))
+                theirs, right = met[..., :-1], np.conj(met[..., -1])
+                gram = np.conj(own - theirs @ np.conj(theirs.swapaxes(-1, -2)))
+                gains |= zip(fresh, _explained(gram, right, ridge=1e-6)[1].tolist(), strict=True)
             return max((gains[mode], *mode) for mode in modes)
 
         best, f, d = best_of(_likely(slow, left, within))

@@ -11,7 +11,7 @@ Sources: Vold & Leuridan, SAE 931288 (1993); Tuma, Vold-Kalman order tracking fi
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -52,7 +52,9 @@ class Rotation:
         t = np.asarray(time, float)
         first, last = self.time[0], self.time[-1]
         found = np.interp(t, self.time, self.turns)
-        if not ((t < first) | (t > last)).any():
+        if not t.size or (
+            np.fmin.reduce(t, axis=None) >= first and np.fmax.reduce(t, axis=None) <= last
+        ):
             return found
         # Beyond its ends it goes on at its last speed.
         before, after = np.minimum(t - first, 0), np.maximum(t - last, 0)
@@ -67,10 +69,15 @@ class Rotation:
         if not t.size:
             return np.zeros(t.shape)
         # Of a day's drive only what is asked is derived.
-        first = int(np.searchsorted(self.time, np.fmin.reduce(t, axis=None))) - 3
-        last = int(np.searchsorted(self.time, np.fmax.reduce(t, axis=None))) + 3
-        near = slice(max(min(first, self.time.size - 4), 0), max(last, 4))
-        return np.interp(t, self.time[near], np.gradient(self.turns[near], self.time[near]))
+        first = int(np.searchsorted(self.time, np.fmin.reduce(t, axis=None))) - 1
+        last = int(np.searchsorted(self.time, np.fmax.reduce(t, axis=None))) + 1
+        near = slice(max(min(first, self.time.size - 2), 0), max(last, 2))
+        return np.interp(t, self.time[near], self._speeds[near])
+
+    @cached_property
+    def _speeds(self) -> FloatArray:
+        """Turns a second at each of its times."""
+        return np.gradient(self.turns, self.time)
 
     def within(self, first: float, last: float) -> "Rotation":
         """Return it between two times, s, and a few of its own beyond: a part, not a copy."""
@@ -526,10 +533,10 @@ class Splitter:
     def _rows(self, first: int, spans: int) -> FloatArray:
         """One for the slow mean, cosine and sine for each tone, (spans, 1 + 2 tones, n)."""
         time = (first + np.arange(spans * self.samples)) / self.rate
-        rows = [np.ones_like(time)]
+        rows: FloatArray = np.ones((spans, 1 + 2 * len(self.tones), self.samples))
         met = {id(t.rotation): t.rotation for t in self.tones}
         known = {name: (of.at(time), of.speed(time)) for name, of in met.items()}
-        for tone in self.tones:
+        for k, tone in enumerate(self.tones):
             made, speed = known[id(tone.rotation)]
             turning = wave(tone.order * made)
             # Let a tone in smoothly over a quarter above the slowest frequency.
@@ -537,8 +544,9 @@ class Splitter:
             if (risen < 1).any():
                 gate = np.clip(risen, 0, 1)
                 turning *= gate * gate * (3 - 2 * gate)
-            rows += [turning.real, turning.imag]
-        return np.stack([row.reshape(spans, -1) for row in rows], axis=1)
+            turning = turning.reshape(spans, -1)
+            rows[:, 2 * k + 1], rows[:, 2 * k + 2] = turning.real, turning.imag
+        return rows
 
     def _events(self, rest: FloatArray, inside: BoolArray) -> FloatArray:
         """Weight (channels, n) of the event windows in a rest, 0 to 1 with soft edges."""

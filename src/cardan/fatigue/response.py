@@ -18,6 +18,7 @@ from cardan.base.arrays import BoolArray, ComplexArray, FloatArray
 from cardan.base.said import Said
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.beside import (
+    ITS_OWN,
     PULLED,
     above_idle,
     alike,
@@ -35,6 +36,7 @@ from cardan.fatigue.evidence import (
     ACQUITTED,
     ALIKE,
     BESIDE,
+    BORROWED,
     BRIEF,
     CONVICTED,
     DOUBLED,
@@ -101,6 +103,17 @@ UNMOVED = 1.01
 """Of what goes with a torque, above which an order that is the same under any explains more."""
 ONE_TONE = 0.5
 """Share of the joints' force that is one tone, from which nothing tells it from a tone."""
+RIGHT, WRONG = 1e-3, 2e-3
+"""Shares of a speed within which it is taken to be right, and from which it is not: ratios come
+back to 1e-4, and axle ratios are told in three or four digits."""
+WHOLE = 5e-4
+"""Share of a wheel's order within which it is a whole one: of a wrong speed 2 % of ratios are."""
+LUGS = 13.5
+"""Order of a wheel from which it may be that of a tyre's lugs, of which there are 14 and more."""
+AS_MUCH = 0.9
+"""Of the energy at one scale of a speed, from which another explains as much."""
+DIRECTLY = 0.05
+"""Share of the time under way in direct gear, from which the engine says how fast the shaft is."""
 BESIDES = 5.0
 """Hz from order 2 within which another order takes part in what stands about it."""
 
@@ -174,6 +187,7 @@ class _Case:
     angle: Angle
     engine: Rotation | None
     engine_orders: Sequence[float]
+    wheel: Rotation | None
     damage: Damage
 
     # ---------------------------------------------------------------- what there is
@@ -353,6 +367,36 @@ class _Case:
             and alone.line.strength >= FOUND
         )
 
+    @property
+    def borrowed(self) -> bool:
+        """Return whether what is locked goes with a speed that is not the shaft's.
+
+        The joints' goes with another scale than 1 where the speed's is wrong. But in direct gear
+        the engine's says what it is; and where a wheel's order turns as fast, of lugs above all,
+        the wheel needs no such chance. Angles that ride put as much on either side of order 2.
+        """
+        ratio, most = self.first.ratio, self.first.energy
+        off = abs(ratio - 1) >= WRONG and not any(
+            min(abs(o.ratio - 1), abs(o.ratio + ratio - 2)) < WRONG and o.energy > AS_MUCH * most
+            for o in self.options
+        )
+        shaft = self.angle.rotation.speed(self.time)
+        turning = shaft > SLOWEST / 2
+        if off and self.engine is not None and turning.any():
+            own = self.engine.speed(self.time)[turning] / shaft[turning]
+            if np.mean(np.abs(own - 1) < RIGHT) > DIRECTLY:
+                return True
+        order = ratio * self.rolling
+        return order > (0 if off else LUGS) and abs(order - round(order)) < WHOLE * order
+
+    @cached_property
+    def rolling(self) -> float:
+        """Return which order of the wheels order 2 is; 0 where no axle's ratio is known."""
+        if self.wheel is None:
+            return 0.0
+        shaft, wheel = (float(np.ptp(r.at(self.time))) for r in (self.angle.rotation, self.wheel))
+        return 2 * shaft / wheel if wheel > 0 else 0.0
+
     @cached_property
     def toned(self) -> bool:
         """Return whether what the joints do is one tone: its energy is in one line of a spectrum.
@@ -378,6 +422,7 @@ class _Case:
         else:
             # Whatever of an engine comes into the band that is looked at, a second off it too.
             may = running(self.best, self.engine, self.engine_orders, self.time, within=BESIDES)
+            may |= running(self.best, self.engine, (ITS_OWN,), self.time, within=0.5)
             where = ~(softly(may, self.rate) > 0)
         if not coming(self.x, self.best, self.rate, where=where) > FOLLOWS:
             return None
@@ -455,6 +500,7 @@ def identified(
     damage: Damage,
     engine: Rotation | None = None,
     engine_orders: Sequence[float] = (),
+    wheel: Rotation | None = None,
     start: float = 0.0,
     seed: int = 0,
 ) -> Identified:
@@ -474,6 +520,8 @@ def identified(
         Of a stress (n,).
     engine, engine_orders
         Who else may turn twice a shaft turn: of an engine nobody heard, if its order 2 may be.
+    wheel
+        Behind the axle, where its ratio is known.
     start : s
         Of the first sample, in the time of the rotations.
     seed
@@ -492,7 +540,7 @@ def identified(
         stress=stress, x=x, every=every, rate=fine, start=start,
         load=load / max(float(np.sqrt(np.mean(load**2))), 1e-300), measured=torque is not None,
         angle=angle.within(start, start + x.size / fine),
-        engine=engine, engine_orders=engine_orders, damage=damage,
+        engine=engine, engine_orders=engine_orders, wheel=wheel, damage=damage,
     )  # fmt: skip
     if not case.options:
         nothing = Evidence(removed=0.0, interval=(0.0, 0.0), strength=0.0)
@@ -538,6 +586,9 @@ def _not_locked(case: _Case) -> Identified:
             low, span = 0.0, span.doubting(SCALED)
         if low >= CONVICTED and case.steady:
             low, span = 0.0, span.doubting(STEADY)
+        # Lugs follow the shaft too, an order of the wheels or two beside.
+        if low >= CONVICTED and case.rolling > LUGS:
+            low, span = 0.0, span.doubting(BORROWED)
     found = _told(case, float(np.clip(likely, 0.0, high)), min(low, high), high, span.doubts)
     return Identified(
         found, np.zeros(case.stress.size), case.size(case.line.wave), case.whole
@@ -593,6 +644,8 @@ def _locked(case: _Case, seed: int) -> Identified:
         )  # fmt: skip
     if span.low >= CONVICTED and case.steady:
         span = span.down_to(0.0, STEADY)
+    if span.low >= CONVICTED and case.borrowed:
+        span = span.down_to(0.0, BORROWED)
     if span.low >= CONVICTED and case.toned:
         span = span.down_to(0.0, TONE)
     span = case.sudden(x - mean, span)

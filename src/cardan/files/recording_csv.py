@@ -198,12 +198,19 @@ def dialect(path: Path) -> Dialect:
     for k, line in enumerate(lines[: chosen.first]):
         fields = _fields(line, chosen.delimiter)
         if len(fields) == len(chosen.columns) and _numeric(fields, chosen.decimal):
-            wrong = lines[chosen.first - 1]
-            cells = enumerate(_fields(wrong, chosen.delimiter), 1)
-            cell = next((c for c in cells if not _is_number(c[1], chosen.decimal)), None)
+            # What stands above the rows may hold as many numbers: the first row that is none is
+            # where they end.
+            at, wrong, cells = next(
+                (n, row, cut)
+                for n, row in enumerate(lines[k + 1 :], k + 2)
+                if row.strip()
+                and not _numeric(cut := _fields(row, chosen.delimiter), chosen.decimal)
+            )
+            named = enumerate(cells, 1)
+            cell = next((c for c in named if not _is_number(c[1], chosen.decimal)), None)
             raise bad(
                 path, f"numbers begin at line {k + 1} and then a row is not numbers",
-                line=chosen.first,
+                line=at,
                 value=f"{cell[1]!r} in column {cell[0]}" if cell else repr(wrong[:60]),
                 hint=_allowed(chosen),
             )  # fmt: skip

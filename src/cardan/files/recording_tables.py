@@ -22,6 +22,8 @@ _UNITS = ("unit", "units", "Unit", "unit_string")
 
 
 def _text(value: Any) -> str:
+    if isinstance(value, np.ndarray) and value.size:  # many write a list of one
+        value = value.flat[0]
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
@@ -222,18 +224,12 @@ def _inside(path: Path, file: Any, group: str) -> Any:
     return home
 
 
-def _unpacked(item: Any, first: int) -> FloatArray:
-    """Return a stretch of a dataset from a sample on, as its attributes say it is packed.
+def _unpacked(item: Any, first: int, numbers: dict[str, float]) -> FloatArray:
+    """Return a stretch of a dataset from a sample on, as such numbers say it is packed.
 
     Source: CF Metadata Conventions 1.11, sections 2.5.1 (missing data) and 8.1 (packed data).
     """
     stored = item[first : first + SIZE]
-    numbers = {
-        name: float(np.ravel(item.attrs[name])[0])
-        for name in ("scale_factor", "add_offset", "_FillValue", "missing_value")
-        if name in item.attrs and np.asarray(item.attrs[name]).dtype.kind in "fiu"
-        and np.size(item.attrs[name])
-    }  # fmt: skip
     x = stored.astype(float)
     for name in ("_FillValue", "missing_value"):
         if name in numbers:
@@ -241,15 +237,36 @@ def _unpacked(item: Any, first: int) -> FloatArray:
     return x * numbers.get("scale_factor", 1.0) + numbers.get("add_offset", 0.0)
 
 
+def _packed(path: Path, item: Any) -> dict[str, float]:
+    """Return the numbers by which a dataset says how it is packed, written as texts or not.
+
+    Raises
+    ------
+    BadFile
+        Of a factor or an offset that is none: without it every sample would be another.
+    """
+    found: dict[str, float] = {}
+    for name in ("scale_factor", "add_offset", "_FillValue", "missing_value"):
+        if name in item.attrs and np.size(item.attrs[name]):
+            text = _text(item.attrs[name])
+            try:
+                found[name] = float(text)
+            except ValueError:
+                if name in ("scale_factor", "add_offset"):
+                    raise bad(path, f"its {name} is not a number", value=text) from None
+    return found
+
+
 def _datasets(path: Path, *, sets: dict[str, Any], rate: float | None) -> Table:
     """Return HDF5 datasets of one length as a table."""
     items = list(sets.values())
     samples = int(items[0].shape[0])
+    packed = [_packed(path, item) for item in items]
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         try:
             for first in range(0, samples, SIZE):
-                yield np.stack([_unpacked(items[k], first) for k in places])
+                yield np.stack([_unpacked(items[k], first, packed[k]) for k in places])
         except OSError as error:
             raise bad(path, f"it is damaged: {error}") from error
 

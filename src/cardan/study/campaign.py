@@ -935,7 +935,15 @@ def _agreed(channel: Channel, taken: str) -> None:
 
     A factor of a million is easily read over, and nothing later shows one of five.
     """
-    if channel.settled or taken not in UNITS:
+    if taken not in UNITS:
+        return
+    if channel.settled:
+        if UNITS.get(channel.unit) != UNITS[taken]:
+            msg = (
+                f"{channel.name}: --scale turns it into {channel.unit}, and it is taken for "
+                f"{taken}; write {channel.name} without a unit, or --scale into {taken}"
+            )
+            raise DesignError(msg)
         return
     named = _WRITTEN.search(channel.name)
     for who, unit in (("the file", channel.unit), ("its name", named[1] if named else "")):
