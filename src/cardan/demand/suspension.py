@@ -34,12 +34,16 @@ def _through(x: ArrayLike, xs: ArrayLike, ys: ArrayLike) -> FloatArray:
     Their outer slopes go on beyond their ends.
     """
     x, xs, ys = (np.asarray(a, dtype=float) for a in (x, xs, ys))
-    widths = np.diff(xs)
-    # How far x has come along each line; the outer lines have no outer end.
-    low, high = np.zeros_like(widths), widths.copy()
-    low[..., 0], high[..., -1] = -np.inf, np.inf
-    along = np.clip(x[..., None] - xs[..., :-1], low, high)
-    return ys[..., 0] + (np.diff(ys) / widths * along).sum(-1)
+    slopes, lines = np.diff(ys) / np.diff(xs), xs.shape[-1] - 1
+    found = np.broadcast_to(ys[..., 0], np.broadcast_shapes(x.shape, ys.shape[:-1]))
+    for k in range(lines):  # how far x has come along each; the outer ones have no outer end
+        along = x - xs[..., k]
+        if k > 0:
+            along = np.maximum(along, 0.0)
+        if k + 1 < lines:
+            along = np.minimum(along, xs[..., k + 1] - xs[..., k])
+        found = found + slopes[..., k] * along
+    return found
 
 
 def spring_load(spring: Spring, deflection: ArrayLike) -> FloatArray:
