@@ -15,6 +15,7 @@ from cardan import files
 from cardan.base.units import deg, g, mm
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.demand.suspension import axle_path, spring_load
+from cardan.quantity.response import respond
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TRUCK = files.read(EXAMPLES / "medium-truck-4x2.yaml")
@@ -109,3 +110,12 @@ def test_a_file_may_leave_it_out():
     wound = of.states.index("windup")
     assert of.travel[wound] == 0.0
     assert of.pitch[wound] / deg == pytest.approx(5410.25 * 3.91 * 0.95 / 12e3, rel=1e-9)
+
+
+def test_a_states_force_depends_on_no_other_state():
+    """Unbalance is that of shafts balanced for the line's top speed, whatever is listed."""
+    alone = replace(TRUCK, states=tuple(s for s in TRUCK.states if s.name == "windup"))
+    among, by_itself = (respond(a, asked(a)) for a in (TRUCK, alone))
+    k = among.demand.states.index("windup")
+    force = among.bearing_force("peak")[k], by_itself.bearing_force("peak")[0]
+    assert force[0] == pytest.approx(force[1], rel=1e-6)

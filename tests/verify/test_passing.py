@@ -81,6 +81,7 @@ def test_whoever_passes_slowly_gets_what_lasts():
     assert quick.max() < 0.9 * slow.max()
 
 
+@pytest.mark.filterwarnings("ignore:.*longer than its shaft")
 def test_a_line_that_passes_through_is_twisted_by_its_torque():
     """As far as by 20 m of tube, 4 deg of each shaft: G J / L of a ring by hand."""
     rigidity = 900e9 / 2.6 * np.pi / 32 * (0.1**4 - 0.094**4)

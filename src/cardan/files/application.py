@@ -188,7 +188,8 @@ def _warnings(application: Application, reading: Reading) -> tuple[Problem, ...]
     """Return what looks wrong, by itself or beside other numbers, in the file's order."""
     odd = {w.key for w in reading.warnings}  # by itself: enough said
     beside = (w for w in doubts(application) if w.key not in odd)
-    return tuple(sorted((*reading.warnings, *beside), key=lambda p: (p.line, p.column)))
+    every = dict.fromkeys((*reading.warnings, *beside))  # a line may be tried more than once
+    return tuple(sorted(every, key=lambda p: (p.line, p.column)))
 
 
 def _unknown(address: str, known: Iterable[str]) -> Problem:

@@ -466,6 +466,12 @@ class LineTable(GeometryTable):
             shaft = table.shaft(nan)
             hangs = k < len(self.shafts) - 1 and shaft.centre_bearing is None
             return replace(shaft, centre_bearing=CentreBearing()) if hangs else shaft
+        long = between if table.length is None else table.length
+        if table.tube_length is not None and np.any(table.tube_length > 1.001 * np.asarray(long)):
+            table.at("tube_length").warn(
+                f"the tube is longer than its shaft, which is {np.max(long) / mm:g} mm",
+                "between its yokes it is shorter: left out, all of the shaft twists",
+            )
         if table.length is not None:
             return table.shaft(table.length)
         try:

@@ -288,11 +288,17 @@ class Response:
 
     @property
     def balanced_at(self) -> FloatArray:
-        """Speed the shafts are balanced for: the highest of all states, (..., 1) rad/s.
+        """Speed the shafts are balanced for: the line's highest, in a state or not, (..., 1) rad/s.
 
         Shafts that never turn are as good as balanced for any: inf.
         """
+        line = self.demand.standing.line
+        given, top = (np.asarray(np.nan if v is None else v, dtype=float) for v in (
+            line.speed, line.gears and line.gears.top_speed
+        ))  # fmt: skip
+        top = np.where(np.isnan(given), top, given * line.installed.speed_ratio)
         fastest = np.nan_to_num(self.demand.speed).max(axis=-1, keepdims=True)
+        fastest = np.maximum(fastest, np.nan_to_num(top))
         return np.where(fastest > 0, fastest, np.inf)
 
     @cached_property
