@@ -266,26 +266,36 @@ def test_what_parts_make_of_each_other_is_the_worst_that_can_be_driven():
         assert 0.85 < found / worst < 1.25
 
 
-def test_cut_in_segments_a_drift_vetoes_as_it_does_whole(tmp_path):
+@pytest.mark.parametrize(("ramp", "kind"), [(2.0, "drift"), (0.0, "zero-step")])
+def test_cut_in_segments_a_level_vetoes_as_it_does_whole(tmp_path, ramp, kind):
     """The recording whole is vetoed; two segments of it said a life and no word."""
     pytest.importorskip("pyarrow")
-    half = T.size // 2
-    both = np.concatenate([EMPTY[:half], LADEN[half:]])
-    # A level that creeps from one to the other, as from a cold gauge to a warm one.
-    both += np.interp(T, [18, 20, 20, 22], [0, 45, -45, 0])
+    # From one level to the other, as from a cold gauge to a warm one.
+    both = EMPTY + (np.interp(T, [20 - ramp, 20 + ramp], [0, 90.0]) if ramp else 90.0 * (T >= 20))
     table(tmp_path / "a.csv", **{"time": T, "S1 [MPa]": both})
     cut = "segments: [{name: empty, to_s: 20}, {name: laden, from_s: 20, to_s: 40}]"
     for drive in ("{file: a.csv}", f"{{file: a.csv, {cut}}}"):
         _, found = levels(tmp_path, drive)
-        assert found["gauges"][0]["vetoes"] == ["drift"], drive
+        assert found["gauges"][0]["vetoes"] == [kind], drive
         assert (found["gauges"][0]["hours"], found["verdict"]) == (None, "incomplete")
-    assert "so far apart that whole it would have no answer" in " ".join(
-        run("life", tmp_path / "l.yaml").output.split()
-    )
-    _, felt = levels(tmp_path, f"{{file: a.csv, accept: [drift], {cut}}}")
+    told = " ".join(run("life", tmp_path / "l.yaml").output.split())
+    assert f"so far apart that whole it would have no answer, for {kind}" in told
+    _, felt = levels(tmp_path, f"{{file: a.csv, accept: [{kind}], {cut}}}")
     assert felt["gauges"][0]["hours_in_turn"] < felt["gauges"][0]["hours"]
     _, off = levels(tmp_path, f"{{file: a.csv, {cut}}}", "zero: drift\n")
     assert off["gauges"][0]["vetoes"] == []
+
+
+def test_levels_that_come_back_are_no_drift(tmp_path):
+    """Up the hill and down again, up the hill once more: whole it has an answer, and cut."""
+    pytest.importorskip("pyarrow")
+    hill = EMPTY + 40 * np.clip(8 * np.sin(2 * np.pi * T / 26.0), -1, 1)
+    table(tmp_path / "a.csv", **{"time": T, "S1 [MPa]": hill})
+    cut = "segments: [{name: up, to_s: 12}, {name: down, from_s: 14, to_s: 25}]"
+    for drive in ("{file: a.csv}", f"{{file: a.csv, {cut}}}"):
+        _, found = levels(tmp_path, drive)
+        assert found["gauges"][0]["vetoes"] == [], drive
+    assert found["gauges"][0]["damage_in_turn"] > 1.2 * found["gauges"][0]["damage"]
 
 
 def test_segments_that_overlap_say_so(folder):

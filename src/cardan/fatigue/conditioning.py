@@ -6,7 +6,6 @@ known number of samples, so a long recording is worked on in overlapping pieces 
 same result as whole (`overlapping`).
 """
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -560,22 +559,6 @@ def zero_at_median(health: Health) -> FloatArray:
     """Baseline at the median of all spans: the mean stress is unknown and taken as zero."""
     known = health.levels[~np.isnan(health.levels)]
     return np.full_like(health.levels, float(np.median(known)) if known.size else 0.0)
-
-
-def creeps(stretches: Sequence[Health]) -> bool:
-    """Whether a channel's level creeps from stretch to stretch by more than it swings in all."""
-    known = [h for h in stretches if not h.dead]
-    if not known:
-        return False
-    there = np.array([h.samples - h.missing for h in known], float)
-    mean, square = (
-        float(np.average(v, weights=there))
-        for v in ([h.mean for h in known], [h.mean**2 + h.deviation**2 for h in known])
-    )
-    levels = np.concatenate([h.levels - h.stepped for h in known])
-    return replace(
-        known[0], faults={}, levels=levels, deviation=math.sqrt(max(square - mean**2, 0.0))
-    ).drifts
 
 
 def slow_drift(health: Health, *, spans: int = 61) -> FloatArray:

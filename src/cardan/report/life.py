@@ -394,11 +394,11 @@ def mix_says(of: Mix, one: Mixed, say: Language) -> Iterator[str]:
     else:
         hours = mix_life(one, say)
         yield say("{gauge}: lives {hours} h of the mix", gauge=one.name, hours=hours)
-    if one.creeps:
+    if one.hidden:
         yield say(
             "{gauge}: segments of one recording stand at levels so far apart that whole it would "
-            "have no answer: --zero drift takes them off, --accept drift says the part felt them",
-            gauge=one.name,
+            "have no answer, for {kinds}: --accept says that the part felt them",
+            gauge=one.name, kinds=say.list(*map(say, one.hidden)),
         )  # fmt: skip
     elif (turn := one.in_turn) and not one.vetoes:
         yield say(

@@ -28,16 +28,16 @@ from cardan.fatigue.angle import Angle
 from cardan.fatigue.background import Mode, background, modes
 from cardan.fatigue.beside import FOUR_CYLINDERS
 from cardan.fatigue.cause import FIRING, separation, suspects
-from cardan.fatigue.conditioning import Health, creeps, finer, slow_drift
+from cardan.fatigue.conditioning import Health, finer, slow_drift
 from cardan.fatigue.cuts import Cuts, order_cuts, windows
 from cardan.fatigue.damage import Life, more_in_turn
 from cardan.fatigue.evidence import SPOILT, Evidence, together
-from cardan.fatigue.fault import DRIFT
+from cardan.fatigue.fault import DRIFT, ZERO_STEP
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.locked import FOUND
 from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
-from cardan.fatigue.quality import VETO
+from cardan.fatigue.quality import VETO, decided
 from cardan.fatigue.rainflow import Cycles, join
 from cardan.fatigue.recording import Recording, alongside, between
 from cardan.fatigue.usage import customer, usage
@@ -305,15 +305,15 @@ class Mixed:
         What each recording did to it, and how often that is driven in the mix.
     between
         Damage of cycles from one part to another, were they driven in turn again and again.
-    creeps
-        Whether segments of one recording stand at levels that decide the damage, and nobody said
-        whether the part felt that: uncut, the recording would have no answer.
+    hidden
+        Kinds of fault for which a recording would have no answer whole, and of which its segments
+        show nothing: their levels decide, and nobody said whether the part felt that.
     """
 
     name: str
     parts: tuple[tuple[GaugeLife, float], ...]
     between: float = 0.0
-    creeps: bool = False
+    hidden: tuple[str, ...] = ()
 
     @property
     def life(self) -> Life:
@@ -348,7 +348,7 @@ class Mixed:
     def vetoes(self) -> tuple[str, ...]:
         """Kinds of fault that spoil it in any of them."""
         each = (kind for one, _ in self.parts for kind in one.vetoes)
-        return tuple(dict.fromkeys((*each, *((DRIFT,) if self.creeps else ()))))
+        return tuple(dict.fromkeys((*each, *self.hidden)))
 
 
 @dataclass(frozen=True)
@@ -428,6 +428,33 @@ class Mix:
         return together([e for e, _ in told], [w for _, w in told]) if told else None
 
 
+EDGE = 1.0
+"""How near the end of a segment a step of the zero is that it cannot show, s."""
+
+
+@dataclass(frozen=True)
+class _Driven:
+    """A recording whole, and from when to when its segments are, s."""
+
+    campaign: Campaign
+    whole: Recording
+    segments: Sequence[tuple[float, float]]
+
+    def hides(self, channels: Sequence[str]) -> Iterator[str]:
+        """Yield what is wrong with the level of channels that no segment can show: a look more."""
+        whole = self.campaign.scaled(self.whole)
+        plan = self.campaign.plan(whole)
+        if plan.baseline is slow_drift:
+            return
+        for channel, health in room.look(whole, channels=channels).items():
+            book = decided(health, channel=channel, rules=plan.rules, rate=whole.rate)
+            if DRIFT in book and book[DRIFT].open.size:
+                yield DRIFT
+            steps = book[ZERO_STEP].open[:, 0] / whole.rate if ZERO_STEP in book else ()
+            if any(not any(a + EDGE < t < b - EDGE for a, b in self.segments) for t in steps):
+                yield ZERO_STEP
+
+
 def listen_to_all(
     of: Path | Campaigned, *, limits: Sequence[Limit] = (), allow_outside: bool = False,
     tell: Tell = silent, draw: bool = False, identified: bool = False, changed: bool = False,
@@ -481,6 +508,7 @@ def _listened(
     limits = (*own, *limits)
     parts: list[tuple[str, float, Heard]] = []
     whose: list[int] = []
+    drives: list[_Driven] = []
     for k, drive in enumerate(written.drives):
         campaign, whole = driven(asked, drive)
         segments, before = drive.segments or (None,), list[tuple[str, float, float]]()
@@ -502,10 +530,14 @@ def _listened(
             answer = _ended(answer, seconds)
             parts.append((name, times, answer))
             whose.append(k)
+        spans = [(first, last) for _, first, last in before] or [(0.0, math.inf)]
+        drives.append(_Driven(campaign, whole, spans))
     names = [one.name for one in parts[0][2].lives]
     lives = tuple(
         _mixed(
-            Mixed(name, tuple((heard.lives[k], times) for _, times, heard in parts)), parts, whose
+            Mixed(name, tuple((heard.lives[k], times) for _, times, heard in parts)),
+            drives,
+            parts[0][2].plan,
         )
         for k, name in enumerate(names)
     )
@@ -539,34 +571,23 @@ def _listened(
     )
 
 
-def _mixed(one: Mixed, parts: Sequence[tuple[str, float, Heard]], whose: Sequence[int]) -> Mixed:
+def _mixed(one: Mixed, drives: Sequence[_Driven], plan: Plan) -> Mixed:
     """Return a gauge of a mix with what happens between its parts."""
     if not one.heard:
         return one
-    plan = parts[0][2].plan
 
-    def gained(which: Sequence[int]) -> float:
-        chosen = [one.parts[k] for k in which]
+    def gained(parts: Sequence[tuple[GaugeLife, float]]) -> float:
         return more_in_turn(
-            [life.residue for life, _ in chosen], times=[times for _, times in chosen],
+            [life.residue for life, _ in parts], times=[times for _, times in parts],
             curve=plan.curve, correction=plan.correction,
         )  # fmt: skip
 
-    def crept(which: Sequence[int]) -> bool:
-        lives, rules = [one.parts[k][0] for k in which], parts[which[0]][2].plan.rules
-        free = plan.baseline is not slow_drift and any(
-            creeps([life.health[channel] for life in lives])
-            for channel in lives[0].health
-            if not any(r.kind and r.concerns(channel, DRIFT) for r in rules)
-        )
-        own = sum(times * life.life.damage for life, times in (one.parts[k] for k in which))
-        return free and gained(which) > VETO * own
-
-    drives = [[k for k, w in enumerate(whose) if w == own] for own in dict.fromkeys(whose)]
-    return replace(
-        one, between=gained(range(len(one.parts))),
-        creeps=any(crept(own) for own in drives if len(own) > 1),
-    )  # fmt: skip
+    hidden, place = list[str](), 0
+    for drive in drives:
+        own = one.parts[place : (place := place + len(drive.segments))]
+        if gained(own) > VETO * sum(times * life.life.damage for life, times in own):
+            hidden += drive.hides(tuple(own[0][0].health))
+    return replace(one, between=gained(one.parts), hidden=tuple(dict.fromkeys(hidden)))
 
 
 def _customers(of: Mix) -> tuple[list[Customer], list[Mixed]]:
