@@ -15,6 +15,7 @@ from cardan.fatigue.rainflow import four_point, rainflow, repeating
 from cardan.fatigue.recording import alongside, between, in_memory
 from cardan.fatigue.strength import SNCurve
 from cardan.files.campaign import read, schema
+from cardan.report.contract_schema import schema as described
 from cardan.report.language import EN, Language
 from cardan.report.life import under_way
 
@@ -221,6 +222,8 @@ def test_parts_of_a_mix_make_cycles_with_each_other(tmp_path):
     drives = "{file: e.csv, times: 1000}, {file: f.csv, times: 1000}"
     _, found = levels(tmp_path, drives)
     (gauge,) = found["gauges"]
+    contract = described()
+    jsonschema.validate(found, {**contract["$defs"]["campaign"], "$defs": contract["$defs"]})
     want = 1000 * counted(*[EMPTY, LADEN] * 10) / 10
     assert gauge["damage_in_turn"] == pytest.approx(want, rel=0.02)
     assert want > 5 * gauge["damage"]
