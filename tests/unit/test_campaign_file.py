@@ -10,8 +10,12 @@ from click.testing import CliRunner
 
 from cardan.base.errors import BadFile, DesignError
 from cardan.cli.main import cli
+from cardan.fatigue.damage import miner, more_in_turn
+from cardan.fatigue.rainflow import four_point, rainflow, repeating
 from cardan.fatigue.recording import alongside, between, in_memory
+from cardan.fatigue.strength import SNCurve
 from cardan.files.campaign import read, schema
+from cardan.report.contract_schema import schema as described
 from cardan.report.language import EN, Language
 from cardan.report.life import under_way
 
@@ -186,6 +190,124 @@ def test_a_veto_in_one_is_a_veto_of_the_mix(folder):
     ):
         (folder / "c.yaml").write_text(mended)
         assert run("life", folder / "c.yaml").exit_code == 0
+
+
+LEVELS = """
+campaign: Empty and laden
+recordings: [{drives}]
+strength: {{amplitude_MPa: 30, cycles: 2e6, slope: 5}}
+gauges: [S1]
+between_samples: 'no'
+"""
+EMPTY, LADEN = signal(4, 12.0), signal(5, 12.0) + 90.0
+
+
+def levels(tmp_path, drives, more=""):
+    (tmp_path / "l.yaml").write_text(LEVELS.format(drives=drives) + more)
+    done = run("life", tmp_path / "l.yaml", "--json")
+    return done, json.loads(done.output)
+
+
+def counted(*parts):
+    """Damage of parts joined and driven again and again, cycle by cycle of the whole signal."""
+    curve = SNCurve(amplitude=30e6, cycles=2e6, slope=5.0).modified()
+    return miner(rainflow(1e6 * np.concatenate(parts), rule=repeating), curve=curve)
+
+
+def test_parts_of_a_mix_make_cycles_with_each_other(tmp_path):
+    """The joined signal, laden after empty ten times over, counted whole."""
+    pytest.importorskip("pyarrow")
+    table(tmp_path / "e.csv", **{"time": T, "S1 [MPa]": EMPTY})
+    table(tmp_path / "f.csv", **{"time": T, "S1 [MPa]": LADEN})
+    drives = "{file: e.csv, times: 1000}, {file: f.csv, times: 1000}"
+    _, found = levels(tmp_path, drives)
+    (gauge,) = found["gauges"]
+    contract = described()
+    jsonschema.validate(found, {**contract["$defs"]["campaign"], "$defs": contract["$defs"]})
+    want = 1000 * counted(*[EMPTY, LADEN] * 10) / 10
+    assert gauge["damage_in_turn"] == pytest.approx(want, rel=0.02)
+    assert want > 5 * gauge["damage"]
+    # A target between the two lives is met by each part alone, and may not be.
+    target = f"target_hours: {2 * gauge['hours_in_turn']}\n"
+    done, found = levels(tmp_path, drives, target)
+    (check,) = found["checks"]
+    assert (done.exit_code, check["verdict"], check["may_be"]) == (0, "pass", "fail")
+    assert check["value_within"] == pytest.approx([gauge["hours_in_turn"], gauge["hours"]])
+    told = " ".join(run("life", tmp_path / "l.yaml").output.split())
+    assert "driven in turn, cycles from one to the other bring it to" in told
+    assert "by what was not recorded, by that it may fail" in told
+    # What is driven once in a hundred meets the other as seldom.
+    _, seldom = levels(tmp_path, drives.replace("f.csv, times: 1000", "f.csv, times: 10"))
+    often, rare = gauge, seldom["gauges"][0]
+    gain = often["damage_in_turn"] - often["damage"]
+    assert rare["damage_in_turn"] - rare["damage"] == pytest.approx(gain / 100, rel=1e-6)
+    # Parts of one level are told as they are.
+    table(tmp_path / "f.csv", **{"time": T, "S1 [MPa]": LADEN - 90})
+    assert "damage_in_turn" not in levels(tmp_path, drives)[1]["gauges"][0]
+
+
+def test_what_parts_make_of_each_other_is_the_worst_that_can_be_driven():
+    """Against rainflow of the joined signal in sixty orders, of parts of any level and swing."""
+    rng = np.random.default_rng(1)
+    curve = SNCurve(amplitude=30e6, cycles=2e6, slope=5.0).elementary()
+    for _ in range(40):
+        many = int(rng.integers(2, 5))
+        parts = [
+            1e6 * (rng.uniform(2, 40) * rng.normal(size=60) + rng.uniform(-60, 60))
+            for _ in range(many)
+        ]
+        times = rng.integers(1, 5, size=many)
+        residues = [four_point(p)[1] for p in parts]
+        found = more_in_turn(residues, times=list(map(float, times)), curve=curve)
+        found += sum(
+            n * miner(rainflow(p, rule=repeating), curve=curve)
+            for n, p in zip(times, parts, strict=True)
+        )
+        orders = (rng.permutation(np.repeat(np.arange(many), times)) for _ in range(60))
+        joined = (np.concatenate([parts[k] for k in order]) for order in orders)
+        worst = max(miner(rainflow(x, rule=repeating), curve=curve) for x in joined)
+        assert 0.85 < found / worst < 1.25
+
+
+@pytest.mark.parametrize(("ramp", "kind"), [(2.0, "drift"), (0.0, "zero-step")])
+def test_cut_in_segments_a_level_vetoes_as_it_does_whole(tmp_path, ramp, kind):
+    """The recording whole is vetoed; two segments of it said a life and no word."""
+    pytest.importorskip("pyarrow")
+    # From one level to the other, as from a cold gauge to a warm one.
+    both = EMPTY + (np.interp(T, [20 - ramp, 20 + ramp], [0, 90.0]) if ramp else 90.0 * (T >= 20))
+    table(tmp_path / "a.csv", **{"time": T, "S1 [MPa]": both})
+    cut = "segments: [{name: empty, to_s: 20}, {name: laden, from_s: 20, to_s: 40}]"
+    for drive in ("{file: a.csv}", f"{{file: a.csv, {cut}}}"):
+        _, found = levels(tmp_path, drive)
+        assert found["gauges"][0]["vetoes"] == [kind], drive
+        assert (found["gauges"][0]["hours"], found["verdict"]) == (None, "incomplete")
+    told = " ".join(run("life", tmp_path / "l.yaml").output.split())
+    assert f"so far apart that whole it would have no answer, for {kind}" in told
+    _, felt = levels(tmp_path, f"{{file: a.csv, accept: [{kind}], {cut}}}")
+    assert felt["gauges"][0]["hours_in_turn"] < felt["gauges"][0]["hours"]
+    _, off = levels(tmp_path, f"{{file: a.csv, {cut}}}", "zero: drift\n")
+    assert off["gauges"][0]["vetoes"] == []
+
+
+def test_levels_that_come_back_are_no_drift(tmp_path):
+    """Up the hill and down again, up the hill once more: whole it has an answer, and cut."""
+    pytest.importorskip("pyarrow")
+    hill = EMPTY + 40 * np.clip(8 * np.sin(2 * np.pi * T / 26.0), -1, 1)
+    table(tmp_path / "a.csv", **{"time": T, "S1 [MPa]": hill})
+    cut = "segments: [{name: up, to_s: 12}, {name: down, from_s: 14, to_s: 25}]"
+    for drive in ("{file: a.csv}", f"{{file: a.csv, {cut}}}"):
+        _, found = levels(tmp_path, drive)
+        assert found["gauges"][0]["vetoes"] == [], drive
+    assert found["gauges"][0]["damage_in_turn"] > 1.2 * found["gauges"][0]["damage"]
+
+
+def test_segments_that_overlap_say_so(folder):
+    text = CAMPAIGN.replace("from_s: 25, to_s: 40", "from_s: 20, to_s: 40")
+    (folder / "c.yaml").write_text(text)
+    _, up, down = json.loads(run("life", folder / "c.yaml", "--json").output)["recordings"]
+    note = "down and up have 5 s in common, which count in both"
+    assert note in down["notes"]
+    assert note not in up["notes"]
 
 
 @pytest.mark.parametrize(

@@ -203,6 +203,37 @@ def test_hdf5(tmp_path):
     refused(tmp_path / "a.h5", "no group", group="fast")
 
 
+def test_decimal_commas_in_quotes(tmp_path):
+    """A spreadsheet's way where the comma is the decimal sign: nothing said how fast it was."""
+    rows = [(f"{k / RATE:.4f}", f"{x:.3f}") for k, x in enumerate(S1)]
+    plain = "time [s],S1 [MPa]\n" + "".join(f"{t},{x}\n" for t, x in rows)
+    quoted = "time [s],S1 [MPa]\n" + "".join(f'"{t}","{x}"\n'.replace(".", ",") for t, x in rows)
+    found, want = (
+        open_recording(write(tmp_path / name, text)) for name, text in
+        (("q.csv", quoted), ("p.csv", plain))
+    )  # fmt: skip
+    assert found.channels[0].unit == "MPa"
+    np.testing.assert_array_equal(found.whole(), want.whole())
+
+
+def test_utf_32_is_called_that(tmp_path):
+    refused(write(tmp_path / "a.csv", "time,S1\n0,1\n0.1,2\n", "utf-32"), "letters are UTF-32")
+
+
+def test_hdf5_names_what_has_more_than_one_column(tmp_path):
+    """It said that there is no channel, and not that it left one out."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["time"], file["S1"] = np.arange(200) / RATE, np.ones((200, 2))
+        file["version"] = 3
+    said = "it holds no channel beside time; more than one number a sample, left out: S1"
+    refused(tmp_path / "a.h5", said)
+    with h5py.File(tmp_path / "a.h5", "a") as file:
+        file["S2"] = np.arange(200.0) % 7
+    notes = open_recording(tmp_path / "a.h5").notes
+    assert "more than one number a sample, left out: S1" in notes
+
+
 def test_hdf5_packed_as_integers(tmp_path):
     """CF Metadata Conventions 1.11, section 8.1: 1.5e-3 of damage was told for 3.4e-5."""
     h5py = pytest.importorskip("h5py")

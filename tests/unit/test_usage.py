@@ -244,6 +244,47 @@ def test_a_campaign_tells_of_customers(tmp_path):
     assert all("usage" in r for r in found["recordings"])
 
 
+def test_a_target_is_asked_of_customers_too(tmp_path):
+    """Of the mix it passed, four lines above a life of customers that is shorter."""
+    rng = np.random.default_rng(2)
+    for k, size in enumerate((10.0, 14.0, 20.0)):
+        t = np.arange(4000) / RATE
+        np.savetxt(
+            tmp_path / f"v{k}.csv", np.stack([t, size * rng.normal(size=t.size)], -1),
+            delimiter=",", comments="", header="time,S1 [MPa]",
+        )  # fmt: skip
+
+    def told(count, more=""):
+        drives = ", ".join(f"{{file: v{k}.csv}}" for k in range(count))
+        plan = tmp_path / "plan.yaml"
+        plan.write_text(
+            f"campaign: Vehicles\nrecordings: [{drives}]\ngauges: [S1]\ncustomer: 0.95\n"
+            f"strength: {{amplitude_MPa: 30, cycles: 2e6, slope: 5, miner: elementary}}\n{more}"
+        )
+        out = tmp_path / "out.json"
+        done = CliRunner().invoke(command, [str(plan), "--json", str(out)])
+        return done, json.loads(out.read_text())
+
+    _, found = told(3)
+    mix, theirs = found["gauges"][0]["hours"], found["customer"]["gauges"][0]
+    life = 1 / theirs["damage_per_hour"]
+    done, found = told(3, f"target_hours: {(mix + life) / 2}\n")
+    assert (done.exit_code, found["verdict"]) == (1, "fail")
+    grades = {c["state"]: (c["value"], c["verdict"]) for c in found["checks"]}
+    assert grades["Vehicles"] == (pytest.approx(mix), "pass")
+    assert grades["Vehicles: the share of customers asked for"] == (pytest.approx(life), "fail")
+    assert "the share of customers asked for" in done.output
+    # What customers as few as these may do at most is the end of what it may be.
+    _, found = told(3, f"target_hours: {life / 2}\n")
+    assert found["verdict"] == "pass"
+    (asked,) = [c for c in found["checks"] if "customers" in c["state"]]
+    assert asked["may_be"] == "fail"
+    assert asked["value_within"] == pytest.approx([1 / theirs["bound_per_hour"], life])
+    done, found = told(2, f"target_hours: {life / 100}\n")
+    assert (done.exit_code, found["verdict"]) == (1, "incomplete")
+    assert "three recordings or more, of a customer each" in " ".join(done.output.split())
+
+
 def test_a_customer_is_a_recording_and_not_a_segment(tmp_path):
     """Two vehicles in two segments each are two customers, of whom nothing is told."""
     rng = np.random.default_rng(2)

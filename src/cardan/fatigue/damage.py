@@ -1,14 +1,16 @@
 """From counted cycles to damage, life and how sure of it one may be."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.units import hour
 from cardan.fatigue.correction import Correction, uncorrected
-from cardan.fatigue.rainflow import Cycles
+from cardan.fatigue.rainflow import Cycles, rainflow, repeating
 from cardan.fatigue.strength import SNCurve
 
 
@@ -25,6 +27,41 @@ def miner(cycles: Cycles, *, curve: SNCurve, correction: Correction = uncorrecte
 def damages(cycles: Cycles, *, curve: SNCurve, correction: Correction = uncorrected) -> FloatArray:
     """Damage n/N of each of some cycles, (n,)."""
     return cycles.count * curve.damage(correction(cycles.amplitude, cycles.mean))
+
+
+def more_in_turn(
+    residues: Sequence[FloatArray], *, times: Sequence[float], curve: SNCurve,
+    correction: Correction = uncorrected,
+) -> float:  # fmt: skip
+    """Damage that stretches driven again and again two in turn do beyond each by itself.
+
+    What closed within a stretch stays closed whatever is driven around it; tops of one that meet
+    bottoms of another make cycles that no stretch has. Those two come first that make most of
+    each other, as often as both are driven; what is left of a stretch follows itself. It is of an
+    order that can be driven, and no bound of all.
+
+    Parameters
+    ----------
+    residues : (k,) Pa each
+        Reversals that each stretch left open.
+    times
+        How often each is driven.
+    """
+
+    def again(*which: int) -> float:
+        loop = rainflow(np.concatenate([residues[k] for k in which]), rule=repeating)
+        return miner(loop, curve=curve, correction=correction)
+
+    alone = [again(k) for k in range(len(residues))]
+    more = {
+        (i, j): again(i, j) - alone[i] - alone[j] for i, j in combinations(range(len(alone)), 2)
+    }
+    left, total = list(times), 0.0
+    for (i, j), gain in sorted(more.items(), key=lambda of: -of[1]):
+        often = min(left[i], left[j])
+        if gain > 0 and often > 0:
+            left[i], left[j], total = left[i] - often, left[j] - often, total + often * gain
+    return total
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

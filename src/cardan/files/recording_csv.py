@@ -3,6 +3,7 @@
 Found out, not guessed: a head that can be read in two ways is refused.
 """
 
+import codecs
 import csv
 import re
 from collections.abc import Iterator
@@ -229,7 +230,9 @@ NUL = "NUL bytes, as a write that was cut off leaves them"
 
 def _encoding(path: Path, head: bytes) -> str:
     """Return how the bytes of a text are letters, by the first of them."""
-    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+    if head.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):
+        raise bad(path, "its letters are UTF-32", hint="write it as UTF-8 or UTF-16")
+    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"
     if b"\x00" not in head:
         return "utf-8"
@@ -249,13 +252,18 @@ def _shows(lines: list[str], delimiter: str, decimal: str) -> bool:
     )
 
 
+def _mixed_up(delimiter: str, decimal: str, lines: list[str]) -> bool:
+    """Whether nothing tells a delimiter from a decimal sign: it does if numbers are in quotes."""
+    return delimiter == decimal and not any(f'"{decimal}"' in line for line in lines)
+
+
 def _of_numbers(
     lines: list[str], encoding: str, *, grouped: bool = False
 ) -> Iterator[tuple[int, Dialect]]:
     """Yield the ways to read rows of numbers, and how sure each is."""
     for delimiter in _DELIMITERS:
         for decimal in ".,":
-            if delimiter == decimal or (grouped and delimiter == " "):
+            if _mixed_up(delimiter, decimal, lines) or (grouped and delimiter == " "):
                 continue
             start = _first_row(lines, delimiter, decimal, grouped=grouped)
             if start is None:
@@ -274,7 +282,7 @@ def _with_texts(lines: list[str], encoding: str, *, grouped: bool) -> Iterator[t
     """Yield the ways to read rows of which some columns are words or times."""
     for delimiter in (";", "\t", ",", "|"):
         for decimal in ".,":
-            if delimiter == decimal:
+            if _mixed_up(delimiter, decimal, lines):
                 continue
             found = _mixed_row(lines, delimiter, decimal, grouped=grouped)
             if found is None:

@@ -5,6 +5,7 @@ import sys
 import weakref
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stdout
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -179,15 +180,21 @@ def hdf5(path: Path, *, group: str = "") -> Table:
             path, f"HDF5 cannot open it: {error}", hint="was it written to its end?"
         ) from error
     sets: dict[str, Any] = {}
+    wide: list[str] = []
 
     def visit(name: str, item: Any) -> None:
-        if isinstance(item, h5py.Dataset) and item.ndim == 1 and item.dtype.kind in "fiu":
-            sets[f"{group}/{name}" if group else name] = item
+        if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu":
+            if item.ndim == 1:
+                sets[f"{group}/{name}" if group else name] = item
+            elif item.ndim:
+                wide.append(name)
 
     home = _inside(path, file, group) if group else file
     home.visititems(visit)  # follows no link out of the file
+    note = f"more than one number a sample, left out: {', '.join(wide)}"
+    notes = (note,) if wide else ()
     if not sets:
-        raise bad(path, "no one-dimensional datasets of numbers in it")
+        raise bad(path, "no one-dimensional datasets of numbers in it", hint="; ".join(notes))
     for name, item in sets.items():
         if item.external or item.is_virtual:
             raise bad(path, f"{name} keeps its samples in another file, which is not opened")
@@ -206,7 +213,8 @@ def hdf5(path: Path, *, group: str = "") -> Table:
         rate = next((r for at in (item, item.parent, file) if (r := _said(path, at.attrs))), None)
         parent = name.rpartition("/")[0] if len({i.shape[0] for i in sets.values()}) > 1 else ""
         alike.setdefault((item.shape[0], rate, parent), {})[name] = item
-    return joined(path, [_datasets(path, sets=own, rate=key[1]) for key, own in alike.items()])
+    found = joined(path, [_datasets(path, sets=own, rate=key[1]) for key, own in alike.items()])
+    return replace(found, notes=(*found.notes, *notes))
 
 
 def _inside(path: Path, file: Any, group: str) -> Any:

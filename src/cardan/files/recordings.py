@@ -180,7 +180,7 @@ def open_recording(
     places = tuple(k for k in range(len(table.columns)) if k != clock)
     channels = tuple(table.columns[k] for k in places)
     if not channels:
-        raise bad(path, "it holds no channel beside time")
+        raise bad(path, "it holds no channel beside time", hint="; ".join(table.notes))
     if rate is None and table.rate is None and clock is None:
         raise bad(
             path, "nothing says how fast it was sampled",

@@ -234,6 +234,7 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
                 "hours": _number(life.hours) if known else None,
                 "km": _number(life.kilometres) if known else None,
                 "vetoes": list(one.vetoes),
+                **_in_turn(one),
                 "recordings": [
                     {
                         "recording": name,
@@ -297,6 +298,17 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
                 "coverage": coverage(coverage_of(found)),
             }
         ),
+    }
+
+
+def _in_turn(of: Mixed) -> dict[str, Any]:
+    """Return what a gauge takes where a mix's parts are driven in turn, if that is more."""
+    if of.in_turn is None:
+        return {}
+    known = not of.vetoes and of.heard
+    return {
+        "damage_in_turn": _number(of.in_turn.damage),
+        "hours_in_turn": _number(of.in_turn.hours) if known else None,
     }
 
 
@@ -382,6 +394,18 @@ def mix_says(of: Mix, one: Mixed, say: Language) -> Iterator[str]:
     else:
         hours = mix_life(one, say)
         yield say("{gauge}: lives {hours} h of the mix", gauge=one.name, hours=hours)
+    if one.hidden:
+        yield say(
+            "{gauge}: segments of one recording stand at levels so far apart that whole it would "
+            "have no answer, for {kinds}: --accept says that the part felt them",
+            gauge=one.name, kinds=say.list(*map(say, one.hidden)),
+        )  # fmt: skip
+    elif (turn := one.in_turn) and not one.vetoes:
+        yield say(
+            "{gauge}: that is of parts each by itself; driven in turn, cycles from one to the "
+            "other bring it to {damage} damage: {hours} h",
+            gauge=one.name, damage=_known(turn.damage, ".4g", say), hours=_long(turn.hours, say),
+        )  # fmt: skip
     if evidence := of.evidence(one.name):
         yield say(
             "{gauge}: {share} of the mix's damage would go with the joints "

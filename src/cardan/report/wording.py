@@ -79,11 +79,19 @@ def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str
     if isinstance(c, Check) and c.within:
         quantity = QUANTITIES[c.quantity]
         low, high = (say.short(end / quantity.factor, 4) for end in c.within)
-        means = (
-            "between {low} and {high} by the estimated error of the elements"
-            if not quantity.unit_name
-            else "between {low} and {high} {unit} by the estimated error of the elements"
-        )
+        recorded = c.part.kind == "gauge"
+        if quantity.unit_name:
+            means = (
+                "between {low} and {high} {unit} by what was not recorded"
+                if recorded
+                else "between {low} and {high} {unit} by the estimated error of the elements"
+            )
+        else:
+            means = (
+                "between {low} and {high} by what was not recorded"
+                if recorded
+                else "between {low} and {high} by the estimated error of the elements"
+            )
         told.append(say(means, low=low, high=high, unit=quantity.unit_name))
         if c.may_be != c.grade:
             told.append(

@@ -28,14 +28,16 @@ from cardan.fatigue.angle import Angle
 from cardan.fatigue.background import Mode, background, modes
 from cardan.fatigue.beside import FOUR_CYLINDERS
 from cardan.fatigue.cause import FIRING, separation, suspects
-from cardan.fatigue.conditioning import Health, finer
+from cardan.fatigue.conditioning import Health, finer, slow_drift
 from cardan.fatigue.cuts import Cuts, order_cuts, windows
-from cardan.fatigue.damage import Life
+from cardan.fatigue.damage import Life, more_in_turn
 from cardan.fatigue.evidence import SPOILT, Evidence, together
+from cardan.fatigue.fault import DRIFT, ZERO_STEP
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.locked import FOUND
 from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
+from cardan.fatigue.quality import VETO, decided
 from cardan.fatigue.rainflow import Cycles, join
 from cardan.fatigue.recording import Recording, alongside, between
 from cardan.fatigue.usage import customer, usage
@@ -53,6 +55,9 @@ from cardan.study.usage import Used, used
 
 NEEDS = "a recording in which all its channels move"
 """What a gauge needs that said nothing: no samples, or one value throughout."""
+
+NEEDS_CUSTOMERS = "three recordings or more, of a customer each, that all did damage there"
+"""What a gauge needs of which nothing is told of customers."""
 
 DECIDE: Mapping[str, str] = {
     "sentinel": "a word on its sentinels, which decide the damage: --mask or --accept sentinel",
@@ -278,6 +283,12 @@ def listen(
         raise NotInstalled(msg) from error
 
 
+BETWEEN = 0.1
+"""Share of a mix's damage from which cycles between its parts are told."""
+
+CUSTOMERS = "the share of customers asked for"
+"""Of whom a life is, where it is not of the mix."""
+
 FEWEST_CUSTOMERS = 3
 """Recordings from which anything is told of customers."""
 
@@ -292,10 +303,17 @@ class Mixed:
         Of the gauge.
     parts
         What each recording did to it, and how often that is driven in the mix.
+    between
+        Damage of cycles from one part to another, were they driven in turn again and again.
+    hidden
+        Kinds of fault for which a recording would have no answer whole, and of which its segments
+        show nothing: their levels decide, and nobody said whether the part felt that.
     """
 
     name: str
     parts: tuple[tuple[GaugeLife, float], ...]
+    between: float = 0.0
+    hidden: tuple[str, ...] = ()
 
     @property
     def life(self) -> Life:
@@ -310,6 +328,13 @@ class Mixed:
         )  # fmt: skip
 
     @property
+    def in_turn(self) -> Life | None:
+        """Of the mix with its parts driven in turn; None where that says nothing else."""
+        if not self.between > BETWEEN * self.life.damage:
+            return None
+        return replace(self.life, damage=self.life.damage + self.between)
+
+    @property
     def cycles(self) -> Cycles:
         """Of the mix: those of each recording as often as it is driven."""
         return join(one.cycles.repeated(times) for one, times in self.parts)
@@ -322,7 +347,19 @@ class Mixed:
     @property
     def vetoes(self) -> tuple[str, ...]:
         """Kinds of fault that spoil it in any of them."""
-        return tuple(dict.fromkeys(kind for one, _ in self.parts for kind in one.vetoes))
+        each = (kind for one, _ in self.parts for kind in one.vetoes)
+        return tuple(dict.fromkeys((*each, *self.hidden)))
+
+
+@dataclass(frozen=True)
+class Customer:
+    """One gauge of a share of customers: what they do in the time of the mix, and at most."""
+
+    name: str
+    life: Life
+    at_most: Life
+    heard: bool = True
+    vetoes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -391,6 +428,33 @@ class Mix:
         return together([e for e, _ in told], [w for _, w in told]) if told else None
 
 
+EDGE = 1.0
+"""How near the end of a segment a step of the zero is that it cannot show, s."""
+
+
+@dataclass(frozen=True)
+class _Driven:
+    """A recording whole, and from when to when its segments are, s."""
+
+    campaign: Campaign
+    whole: Recording
+    segments: Sequence[tuple[float, float]]
+
+    def hides(self, channels: Sequence[str]) -> Iterator[str]:
+        """Yield what is wrong with the level of channels that no segment can show: a look more."""
+        whole = self.campaign.scaled(self.whole)
+        plan = self.campaign.plan(whole)
+        if plan.baseline is slow_drift:
+            return
+        for channel, health in room.look(whole, channels=channels).items():
+            book = decided(health, channel=channel, rules=plan.rules, rate=whole.rate)
+            if DRIFT in book and book[DRIFT].open.size:
+                yield DRIFT
+            steps = book[ZERO_STEP].open[:, 0] / whole.rate if ZERO_STEP in book else ()
+            if any(not any(a + EDGE < t < b - EDGE for a, b in self.segments) for t in steps):
+                yield ZERO_STEP
+
+
 def listen_to_all(
     of: Path | Campaigned, *, limits: Sequence[Limit] = (), allow_outside: bool = False,
     tell: Tell = silent, draw: bool = False, identified: bool = False, changed: bool = False,
@@ -444,9 +508,10 @@ def _listened(
     limits = (*own, *limits)
     parts: list[tuple[str, float, Heard]] = []
     whose: list[int] = []
+    drives: list[_Driven] = []
     for k, drive in enumerate(written.drives):
         campaign, whole = driven(asked, drive)
-        segments = drive.segments or (None,)
+        segments, before = drive.segments or (None,), list[tuple[str, float, float]]()
         for segment in segments:
             name, times, recording, seconds = drive.name, drive.times, whole, 0.0
             heard = campaign
@@ -455,6 +520,9 @@ def _listened(
                 first, last = _times(campaign, whole, segment)
                 seconds, recording = last - first, between(whole, first, last)
                 heard = campaign.within(first, last)
+                twice = tuple(_twice(segment.name, first, last, before))
+                recording = replace(recording, notes=(*recording.notes, *twice))
+                before.append((segment.name, first, last))
             answer = (
                 RecordingStudy(heard, draw=draw).run(replace(recording, name=name), tell).answer
             )
@@ -462,28 +530,77 @@ def _listened(
             answer = _ended(answer, seconds)
             parts.append((name, times, answer))
             whose.append(k)
+        spans = [(first, last) for _, first, last in before] or [(0.0, math.inf)]
+        drives.append(_Driven(campaign, whole, spans))
     names = [one.name for one in parts[0][2].lives]
     lives = tuple(
-        Mixed(name, tuple((heard.lives[k], times) for _, times, heard in parts))
+        _mixed(
+            Mixed(name, tuple((heard.lives[k], times) for _, times, heard in parts)),
+            drives,
+            parts[0][2].plan,
+        )
         for k, name in enumerate(names)
     )
     when = Occasion("recording", written.title)
+    mix = Mix(
+        title=written.title,
+        parts=tuple(parts),
+        lives=lives,
+        profile=profile,
+        customer=written.customer,
+        whose=tuple(whose),
+        allowed=asked.allowed,
+        campaign=asked,
+        otherwise=tuple(_mixed_otherwise(asked, parts, lives)),
+    )
+    theirs, unknown = _customers(mix)
+    whom, line = replace(when, what=CUSTOMERS), asked.line
+    ends = {one.name: end for one in lives if (end := one.in_turn) is not None}
+    most = {one.name: one.at_most for one in theirs}
     return Finding(
         study=NAME,
-        answer=Mix(
-            title=written.title,
-            parts=tuple(parts),
-            lives=lives,
-            profile=profile,
-            customer=written.customer,
-            whose=tuple(whose),
-            allowed=asked.allowed,
-            campaign=asked,
-            otherwise=tuple(_mixed_otherwise(asked, parts, lives)),
+        answer=mix,
+        checks=(
+            *_checks(lives, limits, when=when, line=line, ends=ends),
+            *_checks(theirs, limits, when=whom, line=line, ends=most),
         ),
-        checks=tuple(_checks(lives, limits, when=when, line=asked.line)),
-        unanswered=tuple(_unanswered(lives, limits, when=when, line=asked.line)),
+        unanswered=(
+            *_unanswered(lives, limits, when=when, line=line),
+            *_unanswered(unknown, limits, when=whom, line=line, needs=(NEEDS_CUSTOMERS,)),
+        ),
     )
+
+
+def _mixed(one: Mixed, drives: Sequence[_Driven], plan: Plan) -> Mixed:
+    """Return a gauge of a mix with what happens between its parts."""
+    if not one.heard:
+        return one
+
+    def gained(parts: Sequence[tuple[GaugeLife, float]]) -> float:
+        return more_in_turn(
+            [life.residue for life, _ in parts], times=[times for _, times in parts],
+            curve=plan.curve, correction=plan.correction,
+        )  # fmt: skip
+
+    hidden, place = list[str](), 0
+    for drive in drives:
+        own = one.parts[place : (place := place + len(drive.segments))]
+        if gained(own) > VETO * sum(times * life.life.damage for life, times in own):
+            hidden += drive.hides(tuple(own[0][0].health))
+    return replace(one, between=gained(one.parts), hidden=tuple(dict.fromkeys(hidden)))
+
+
+def _customers(of: Mix) -> tuple[list[Customer], list[Mixed]]:
+    """Return gauges as a share of customers has them, and those of which nobody can tell that."""
+    told, known, unknown = of.customers, list[Customer](), list[Mixed]()
+    for one in of.lives if of.customer else ():
+        if one.name in told:
+            life = one.life
+            own, most = (replace(life, damage=r * life.duration) for r in told[one.name])
+            known.append(Customer(one.name, own, most))
+        elif one.heard and not one.vetoes:
+            unknown.append(one)
+    return known, unknown
 
 
 def driven(asked: Campaign, drive: Drive) -> tuple[Campaign, Recording]:
@@ -497,6 +614,16 @@ def driven(asked: Campaign, drive: Drive) -> tuple[Campaign, Recording]:
     for file, late in drive.beside:
         whole = alongside(whole, _opened(file, Campaign(sn=asked.sn)), late=late)
     return campaign, whole
+
+
+def _twice(
+    name: str, first: float, last: float, before: Iterable[tuple[str, float, float]]
+) -> Iterator[str]:
+    """Yield what of a segment, s, is of those before it too."""
+    for other, begins, ends in before:
+        both = min(last, ends) - max(first, begins)
+        if both > 0:
+            yield f"{name} and {other} have {both:.4g} s in common, which count in both"
 
 
 def _ended(answer: Heard, asked: float) -> Heard:
@@ -947,43 +1074,55 @@ class Lived(Protocol):
         ...
 
 
-_VALUES: dict[str, Callable[[Lived], float]] = {
-    "fatigue_life": lambda one: one.life.hours * hour,
-    "fatigue_damage": lambda one: one.life.damage,
+_VALUES: dict[str, Callable[[Life], float]] = {
+    "fatigue_life": lambda life: life.hours * hour,
+    "fatigue_damage": lambda life: life.damage,
 }
 """What a limit asks about of a gauge, SI."""
 
+NOTHING: Mapping[str, Life] = {}
+
 
 def _checks(
-    lives: Sequence[Lived], limits: Sequence[Limit], *, when: Occasion, line: str
-) -> Iterator[Check]:
-    """Yield a check for each limit and gauge that said something."""
+    lives: Sequence[Lived], limits: Sequence[Limit], *, when: Occasion, line: str,
+    ends: Mapping[str, Life] = NOTHING,
+) -> Iterator[Check]:  # fmt: skip
+    """Yield a check for each limit and gauge that said something.
+
+    `ends` are lives of gauges that may be as well, by what nobody recorded.
+    """
     for limit in limits:
+        asked = _VALUES[limit.quantity]
         for one in lives:
             if _known(one, limit):
+                value, within = asked(one.life), None
+                if one.name in ends:
+                    low, high = sorted((value, asked(ends[one.name])))
+                    within = (low, high)
                 yield Check(
                     quantity=limit.quantity, line=line, when=when, part=_part(one),
-                    value=_VALUES[limit.quantity](one), limit=limit,
+                    value=value, limit=limit, within=within,
                 )  # fmt: skip
 
 
 def _unanswered(
-    lives: Sequence[Lived], limits: Sequence[Limit], *, when: Occasion, line: str
-) -> Iterator[Unanswered]:
+    lives: Sequence[Lived], limits: Sequence[Limit], *, when: Occasion, line: str,
+    needs: tuple[str, ...] = (),
+) -> Iterator[Unanswered]:  # fmt: skip
     """Yield each limit and gauge that got no number, or one that cannot be trusted.
 
-    A broken wire lives for ever.
+    A broken wire lives for ever. Where `needs` are said no number of them can be.
     """
     for limit in limits:
         for one in lives:
-            if not _known(one, limit):
-                needs = tuple(DECIDE[k] for k in one.vetoes) or (NEEDS,)
-                yield Unanswered(limit=limit, line=line, when=when, part=_part(one), needs=needs)
+            if needs or not _known(one, limit):
+                lacks = needs or tuple(DECIDE[k] for k in one.vetoes) or (NEEDS,)
+                yield Unanswered(limit=limit, line=line, when=when, part=_part(one), needs=lacks)
 
 
 def _known(one: Lived, limit: Limit) -> bool:
     told = one.heard and not one.vetoes
-    return told and not math.isnan(_VALUES[limit.quantity](one))
+    return told and not math.isnan(_VALUES[limit.quantity](one.life))
 
 
 def _part(one: Lived) -> Part:
