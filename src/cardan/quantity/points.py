@@ -54,6 +54,9 @@ and rounding is as small."""
 STRAIGHT = 1e-9
 """m, of travel that is rounding."""
 
+FLANKS = (-1.5, -0.5, 0.5, 1.5)
+"""Where beside a crest order 2 may add most to the mean, in the same."""
+
 CRESTS = 3
 """How many crests are sought more closely: the next may prove the higher one."""
 
@@ -740,7 +743,8 @@ def _closer(r: "Response", tried: Points, drawn: Sketch, *, gives: bool = False)
 
     The worst peak of each bearing, and the `CRESTS` of what shakes it most. Where a mode
     alone shakes, 1/F² is a parabola over the square of the speed; what order 2 adds to the
-    mean is largest half a mode's width beside that crest.
+    mean is largest half a mode's width beside that crest, or farther where modes overlap
+    (`FLANKS`).
     """
     found = tried.curves
     shaken = _foremost(tried, "dynamic", CRESTS)
@@ -753,8 +757,8 @@ def _closer(r: "Response", tried: Points, drawn: Sketch, *, gives: bool = False)
     sides, _ = _sketched(
         r,
         found,
-        np.concatenate([curve, curve, flanks[0], flanks[0]]),
-        np.concatenate([low, high, *(flanks[1] * (1 + k * wide) for k in (-0.5, 0.5))]),
+        np.concatenate([curve, curve, *(flanks[0] for _ in FLANKS)]),
+        np.concatenate([low, high, *(flanks[1] * (1 + k * wide) for k in FLANKS)]),
         drawn,
         gives=gives,
     )
