@@ -13,7 +13,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
 from cardan.base.part import Occasion
 from cardan.base.units import MPa, N, hour, kN, mm, rpm
-from cardan.bracket.gauges import Recovered, recover
+from cardan.bracket.gauges import Recovered
 from cardan.bracket.refine import UNSETTLED
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
