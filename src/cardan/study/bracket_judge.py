@@ -737,11 +737,11 @@ def judge(
     # What its highest stress may be off by, read from gauges or not.
     high = np.array([o.hot for o in outcomes])
     off = np.take_along_axis(np.array([o.error for o in outcomes]), high.argmax(axis=0)[None], 0)[0]
-    told = np.where(high.any(axis=0), off / np.maximum(high.max(axis=0), 1e-300), error)
+    share = np.where(high.any(axis=0), off / np.maximum(high.max(axis=0), 1e-300), error)
     features = tuple(
         Feature(
             zone=ZONES[known[f][0]], number=known[f][1], point=_point(way.points[at]),
-            error=float(told[f]),
+            error=float(share[f]),
         )
         for f, (way, at) in zip(order.tolist(), spots, strict=True)
     )  # fmt: skip
