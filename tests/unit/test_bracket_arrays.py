@@ -115,6 +115,18 @@ def test_noise_is_told_as_it_is():
     assert np.sqrt((back.residual**2).mean()) == pytest.approx(0.5e-6, rel=0.02)  # 1 of 4 is left
 
 
+def test_how_far_an_influence_may_be_off_is_told_of_forces():
+    """Scatter of forces read with influences off by chance, where they are largest."""
+    influence = np.array([[60, 1, 3], [-60, 2, 3], [15, 20, -5], [0, -1, -30.0]]) * 1e-9
+    unsure, forces = np.array([0.3, 0.1, 0.2]) * 1e-9, np.array([[100, -900, 50], [20, 100, 400.0]])
+    off = unsure * np.random.default_rng(6).standard_normal((20_000, 4, 3))
+    back = recover(influence, forces @ influence.T, unsure=unsure)
+    largest = np.array([100, 900, 400.0])
+    read = np.array([recover(influence, (influence + d) @ largest).loads for d in off])
+    assert back.off == pytest.approx(read.std(axis=0), rel=0.02)  # 4 sigma of 20000
+    assert not recover(influence, forces @ influence.T).off.any()
+
+
 def test_blind_gauges_are_refused():
     two_alike = np.array([[60, 1, 3], [60, 1, 3], [15, 20, -5.0]]) * 1e-9
     with pytest.raises(DesignError, match="hardly feel a load along"):

@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 from cardan import files
 from cardan.base.part import Point
+from cardan.bracket.gauges import recover
 from cardan.bracket.solve import Held
 from cardan.bracket.stress import along, superpose, von_mises
 from cardan.cli import cli
@@ -22,7 +23,7 @@ from cardan.report.language import CODES, Language
 from cardan.study.approval import Approval, assess
 from cardan.study.bracket import BracketAnswer, duty_of, study
 from cardan.study.bracket_judge import SWINGS, Case, judge
-from cardan.study.bracket_life import strengths
+from cardan.study.bracket_life import loads_of, strengths
 from cardan.study.finding import Finding
 
 pytestmark = pytest.mark.bracket
@@ -163,6 +164,56 @@ def test_use_and_damage_are_those_of_the_worst_place_and_plane(found):
         assert max(harm) * 0.85 < o.life.spots[k] <= max(harm) * 1.01, f
         moved.append(max(seen)[1] / max(used))
     assert min(moved) < 0.7  # else this would hold of the place where stress is highest too
+
+
+def test_what_gauges_may_read_wrong_is_in_stress_and_life(found):
+    """Against 300 influences off by chance: by how much stress scatters, and what swings alone."""
+    solved, t = found.variants[0].solved, np.arange(12) / 12
+    forces = np.stack([500 + 0 * t, 800 * np.sin(2 * np.pi * t), 0 * t], axis=-1)
+    random = np.random.default_rng(7)
+    influence = 1e-8 * random.standard_normal((4, 3))
+    strains = forces @ influence.T
+
+    def judged(*unsure):
+        read = recover(influence, strains, unsure=unsure)
+        case = Case("field", loads_of(read.loads), duration=1.0, read=read)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: solved)
+            return judge(found.bracket, found.bracket.shape, [case])
+
+    exact, steady, swung = judged(0, 0, 0), judged(3e-10, 0, 0), judged(0, 3e-10, 0)
+    known = exact.outcomes[0]
+    # What swings is not read wrong where the steady pull is.
+    assert steady.outcomes[0].life.hours_within == known.life.hours_within
+    assert steady.outcomes[0].used_within == pytest.approx(known.used_within)
+    assert (steady.outcomes[0].error > known.error).all()
+    low, high = known.life.hours_within
+    lower, higher = swung.outcomes[0].life.hours_within
+    assert lower < 0.95 * low
+    assert higher > 1.05 * high
+    assert (swung.outcomes[0].used_within[:5, 1] > known.used_within[:5, 1]).all()
+    # The scatter of the highest stress of each feature, each way of holding the flange.
+    off = np.zeros((300, 4, 3))
+    off[..., 1] = 3e-10 * random.standard_normal((300, 4))
+    scattered = np.stack([recover(influence + d, strains).loads for d in off])
+    for k, f in enumerate(swung.features[:5]):
+        held = max(solved.both, key=lambda held: _hot(held, f, forces[None]).max(initial=0.0))
+        scatter = _hot(held, f, scattered).std()
+        told = swung.outcomes[0].error[k] - known.error[k]
+        assert 0.8 * scatter < told < 4 * scatter, f
+        assert f.error * swung.outcomes[0].hot[k] == pytest.approx(swung.outcomes[0].error[k])
+
+
+def _hot(held, f, forces):
+    """Return the highest stress (m,) of a feature under histories of forces (m, t, 3)."""
+    own = [j for j, (zone, n) in enumerate(held.zones.features)
+           if (ZONES[zone], n) == (f.zone, f.number)]  # fmt: skip
+    mine = np.isin(held.zones.feature, own)
+    if not mine.any():
+        return np.zeros(0)
+    return np.array([
+        von_mises(superpose(held.unit[mine][:, :3], one)).max() for one in forces
+    ])  # fmt: skip
 
 
 def test_a_case_on_a_state_is_told_at_the_worst_of_its_points(found):

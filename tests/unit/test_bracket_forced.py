@@ -253,7 +253,9 @@ def test_a_recording_of_strains_becomes_forces(tmp_path):
     head = "time_s," + ",".join(f"S{k} [um/m]" for k in range(1, 5))
     own = written(tmp_path, head, np.column_stack([t, read]))
     assert not list(recorded(own, None))  # before anything is solved nobody knows
-    (case,) = recorded(own, influence)
+    solved = SimpleNamespace(influence=influence, unsure=np.array([1e-10, 0, 0]))
+    (case,) = recorded(own, solved)
+    assert case.read.off.min() > 0
     assert case.loads[:, :3] == pytest.approx(force, rel=1e-4, abs=0.1)
     assert not case.shakes
 

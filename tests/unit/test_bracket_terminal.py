@@ -11,6 +11,7 @@ from brackets import BRACKET, LINE
 
 from cardan import files
 from cardan.base.part import Occasion
+from cardan.bracket.gauges import recover
 from cardan.bracket.shape import Picked
 from cardan.model.bracket import Bolts, BracketRecording
 from cardan.report import bracket_chapter, bracket_scene
@@ -298,8 +299,9 @@ def test_forces_read_from_gauges_tell_what_noise_makes_of_them():
     (finding,) = approved("original").findings
     of = replace(finding.answer, bracket=replace(finding.answer.bracket, recordings=(field,)))
     v = of.variants[0]
-    held = SimpleNamespace(**vars(v.solved.sliding) | {"influence": influence})
-    v = replace(v, solved=SimpleNamespace(**vars(v.solved) | {"sliding": held}))
+    back = recover(influence[:, :3], noise, unsure=[2e-9, 0, 0])
+    case = replace(v.outcomes[0].case, name="field", read=back)
+    v = replace(v, outcomes=(replace(v.outcomes[0], case=case),))
     said = next(r for r in remarks(of, v) if "field" in r)
     forces = np.linalg.lstsq(influence[:, :3], noise.T, rcond=None)[0]
     read = [
@@ -309,3 +311,8 @@ def test_forces_read_from_gauges_tell_what_noise_makes_of_them():
     # One of four gauges is left over: half of its noise.
     left = float(re.search("([0-9.]+) microstrain of what", said)[1])
     assert left == pytest.approx(0.5, rel=0.05)
+    # What the mesh may have wrong of a force along x is as so much noise.
+    mesh = next(r for r in remarks(of, v) if "for the mesh alone" in r)
+    off = [float(n) for n in re.findall(r"([0-9.]+)(?: N)? along", mesh)]
+    noise_of_mesh = 2e-9 * np.abs(forces[0]).max() / 1e-6
+    assert off == pytest.approx(noise_of_mesh * forces.std(axis=1), rel=0.05)

@@ -110,15 +110,37 @@ class Recovered:
         load is seen than the best.
     noise : (c,) N
         Standard deviation of each load for readings with one microstrain of noise.
+    inverse : (c, g) N
+        What strain of each gauge makes of each load.
+    unsure : (c,) 1/N
+        Strain by which any gauge may read a unit of each load wrong.
     """
 
     loads: FloatArray
     residual: FloatArray
     condition: float
     noise: FloatArray
+    inverse: FloatArray
+    unsure: FloatArray
+
+    def misread(self, size: FloatArray) -> float:
+        """Return the strain by which any gauge may read loads (c,) N wrong, each load by chance."""
+        return float(np.linalg.norm(self.unsure * size))
+
+    @property
+    def off(self) -> FloatArray:
+        """How much each load (c,) N may be off where they are largest, each gauge by chance."""
+        size = np.abs(self.loads.reshape(-1, len(self.noise))).max(axis=0)
+        return np.linalg.norm(self.inverse, axis=1) * self.misread(size)
 
 
-def recover(influence: ArrayLike, strains: ArrayLike, *, worst: float = 1e3) -> Recovered:
+def recover(
+    influence: ArrayLike,
+    strains: ArrayLike,
+    *,
+    unsure: ArrayLike | None = None,
+    worst: float = 1e3,
+) -> Recovered:
     """Find the loads that explain measured strains best, by least squares.
 
     Parameters
@@ -128,6 +150,8 @@ def recover(influence: ArrayLike, strains: ArrayLike, *, worst: float = 1e3) -> 
         columns of `influence`: loads of one kind, so that their gains compare.
     strains : (..., g)
         Readings, whatever came before them: a history, a set of cases.
+    unsure : (c,)
+        Strain by which the influence of any gauge may be off, by load; none where it is exact.
     worst
         Refuse to answer above this condition.
 
@@ -161,4 +185,6 @@ def recover(influence: ArrayLike, strains: ArrayLike, *, worst: float = 1e3) -> 
         residual=np.sqrt((left**2).mean(axis=-1)),
         condition=condition,
         noise=1e-6 * np.sqrt((inverse**2).sum(axis=-1)),
+        inverse=inverse,
+        unsure=np.zeros(loads) if unsure is None else np.asarray(unsure, dtype=float),
     )

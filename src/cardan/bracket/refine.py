@@ -209,7 +209,7 @@ def refined(
     levels
         Meshes at most.
     seen
-        Is shown the first solution.
+        Is shown the solution of each mesh.
     """
     points = np.asarray(watch, dtype=float).reshape(-1, 3)
     wanted = list(finer)
@@ -232,8 +232,8 @@ def refined(
         sizes.append(ways[0].elastic.unknowns)
         if level == 0:
             combos = telling(ways[0].unit, cases)
-            if seen:
-                seen(ways[0])
+        if seen:
+            seen(ways[0])
         if both and follow:
             ways.append(held_anew(problem, ways[0], tell=tell))
         tell("errors from afar")

@@ -4,7 +4,7 @@ Three forces and three moments at the bearing's centre, spread over its seat, an
 accelerations of the frame, which the bracket's own mass feels.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -80,6 +80,15 @@ class Units:
     def at_nodes(self) -> tuple[FloatArray, FloatArray]:
         """Displacement (n, 9, 3) m and stress (n, 9, 6) Pa at the nodes."""
         return self.elastic.at_nodes(self.displacements)
+
+    def unknowns(self, degree: int) -> int:
+        """Return how many displacements elements of another degree have on the same mesh."""
+        return 3 * int(engine().ngs.H1(self.elastic.mesh, order=degree).ndof)
+
+    def of_degree(self, degree: int, *, held: Mapping[str, str]) -> "Units":
+        """Return the same on the same mesh, held alike, by elements of another degree."""
+        body = elastic(self.elastic.mesh, self.elastic.material, held=held, degree=degree)
+        return solved(self.solid, body, size=self.size)
 
     def seat(self, frequencies: FloatArray, shapes: FloatArray, *, loss: float = LOSS) -> Seat:
         """Return how the seat gives, by modes (k,) Hz, (k, unknowns) and what they leave.

@@ -13,7 +13,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
 from cardan.base.part import Occasion
 from cardan.base.units import MPa, N, hour, kN, mm, rpm
-from cardan.bracket.gauges import Recovered, recover
+from cardan.bracket.gauges import Recovered
 from cardan.bracket.refine import UNSETTLED
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
@@ -211,13 +211,20 @@ def remarks(of: BracketAnswer, v: Judged, say: Language = EN) -> Iterator[str]:
             name=say(v.name), recording=name, x=x, y=y, z=z, condition=say.number(found.condition),
             left=say.number(1e6 * _size(found.residual)),
         )  # fmt: skip
+        x, y, z = (say.number(n) for n in found.off)
+        yield say(
+            "{name}: where they are largest, those forces may be off by {x} N along x, {y} along y "
+            "and {z} along z for the mesh alone.",
+            name=say(v.name), x=x, y=y, z=z,
+        )  # fmt: skip
 
 
 def _read_back(of: BracketAnswer, v: Judged) -> Iterator[tuple[str, Recovered]]:
-    """Yield the recordings whose forces are read from gauges, on the flange that slides."""
+    """Yield the recordings whose forces are read from gauges."""
+    known = {o.case.name: o.case.read for o in v.outcomes}
     for one in of.bracket.recordings:
-        if one.strain is not None:
-            yield one.name, recover(v.solved.sliding.influence[:, :3], one.strain)
+        if (read := known.get(one.name)) is not None:
+            yield one.name, read
 
 
 def _size(residual: FloatArray) -> float:
@@ -580,6 +587,7 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
             {
                 "recording": name,
                 "noise_N": found.noise.tolist(),
+                "mesh_error_N": found.off.tolist(),
                 "condition": found.condition,
                 "unexplained_microstrain": 1e6 * _size(found.residual),
             }

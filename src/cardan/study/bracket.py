@@ -84,7 +84,7 @@ def study(
     variants = [bench.judged(bracket.shape, name="original", tell=tell)]
     if bracket.reinforced is not None:
         # What gauges read, they read on the bracket that is installed.
-        bench = replace(bench, influence=variants[0].influence)
+        bench = replace(bench, installed=variants[0].solved.sliding)
         variants.append(bench.judged(bracket.reinforced, name="reinforced", tell=tell))
     return BracketAnswer(
         title=application.title,
@@ -98,14 +98,13 @@ def study(
 class Bench:
     """An application's line, ready to be hung in one shape of its bracket after the other.
 
-    `influence` (g, 9) is that of the gauges where recordings were made, known once the installed
-    shape is judged.
+    `installed` is the bracket whose gauges recordings were made with, known once it is judged.
     """
 
     bracket: Bracket
     response: Response
     extra: tuple[Case, ...] = ()
-    influence: FloatArray | None = None
+    installed: Held | None = None
 
     @classmethod
     def of(cls, application: Application, *, extra: Sequence[Case] = ()) -> "Bench":
@@ -124,12 +123,12 @@ class Bench:
     def mounted(self, held: Held) -> Mounted:
         """Return the loads of the line hung in a bracket that gives, and those measured on it."""
         bracket, on = self.bracket, self.response
-        influence = held.influence if self.influence is None else self.influence
+        read = self.installed or held
         hangs = on_rubber(on, bracket)
         if hangs:
             on = hung(on, bracket, held.swing.seat)
         return Mounted(
-            cases=(*cases_of(bracket, on), *recorded(bracket, influence), *self.extra),
+            cases=(*cases_of(bracket, on), *recorded(bracket, read), *self.extra),
             duty=duty_of(bracket, on),
             swept=swept(on, bracket.bearing - 1) if hangs else None,
         )
@@ -336,23 +335,25 @@ def _elsewhere(bracket: Bracket, response: Response, s: int, found: Points) -> I
         yield replace(case, what="worst point", point=point, shakes=bool(response.seats))
 
 
-def recorded(bracket: Bracket, influence: FloatArray | None) -> Iterator[Case]:
-    """Yield a case of each recording; strains become forces by the gauges' influence (g, 9).
+def recorded(bracket: Bracket, on: Held | None) -> Iterator[Case]:
+    """Yield a case of each recording; strains become forces by the gauges of a bracket solved.
 
     Without that, of each recording of forces.
     """
     for one in bracket.recordings:
-        force = one.force
+        force, read = one.force, None
         if one.strain is not None:
-            if influence is None:
+            if on is None:
                 continue
-            force = recover(influence[:, :3], one.strain).loads
+            read = recover(on.influence[:, :3], one.strain, unsure=on.unsure)
+            force = read.loads
         assert force is not None  # one of the two
         # Forces are those on the bearing: the bracket swings on top of them. What gauges read
         # has its swing in it.
         yield Case(
-            one.name, loads_of(force), duration=len(force) / one.rate, shakes=one.strain is None
-        )
+            one.name, loads_of(force), duration=len(force) / one.rate, shakes=read is None,
+            read=read,
+        )  # fmt: skip
 
 
 def _round_the_turn(

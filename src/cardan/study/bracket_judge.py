@@ -19,10 +19,11 @@ from cardan.base.part import Occasion, Part, Point
 from cardan.base.units import Metre, RadianPerSecond, hour
 from cardan.bracket.elastic import IntArray, Nodes, Progress
 from cardan.bracket.elastic import silent as hushed
+from cardan.bracket.gauges import Recovered
 from cardan.bracket.refine import LEVELS
 from cardan.bracket.shape import WALL
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
-from cardan.bracket.stress import envelope, extremes, moments, superpose
+from cardan.bracket.stress import envelope, extremes, moments, superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import (
     CLOSELY,
@@ -85,6 +86,8 @@ class Case:
     """Swing of each feature in contact, (features,), over that told by the two ways held."""
     once: bool = False
     """Whether nobody knows how often it happens: it does no damage."""
+    read: Recovered | None = None
+    """How its forces were read from gauges; None where they were not."""
     among: tuple["Case", ...] = ()
     """The same at each operating point: of these the worst is told."""
 
@@ -689,6 +692,7 @@ def judge(
         cases=tuple(c.far for c in (*cases, *riding)), weights=_weights(strength),
         gauges=bracket.gauges, carried_mass=bracket.carried_mass, rubber=bracket.rubber,
         loss=bracket.loss, levels=levels, bolted=bracket.bolts is not None,
+        reads=any(one.strain is not None for one in bracket.recordings),
     )  # fmt: skip
     try:
         solved = solved_apart(task, tell=told)
@@ -730,10 +734,14 @@ def judge(
     spent, damage, worn = _duty(solved, ways, duty or {}, strength, modulus, error)
     order = _worst_first(known, outcomes, spent, _weights(strength))
     spots = _spots(worn or [*chain.from_iterable(peaks)], order)
+    # What its highest stress may be off by, read from gauges or not.
+    high = np.array([o.hot for o in outcomes])
+    off = np.take_along_axis(np.array([o.error for o in outcomes]), high.argmax(axis=0)[None], 0)[0]
+    share = np.where(high.any(axis=0), off / np.maximum(high.max(axis=0), 1e-300), error)
     features = tuple(
         Feature(
             zone=ZONES[known[f][0]], number=known[f][1], point=_point(way.points[at]),
-            error=float(error[f]),
+            error=float(share[f]),
         )
         for f, (way, at) in zip(order.tolist(), spots, strict=True)
     )  # fmt: skip
@@ -907,7 +915,9 @@ def _outcome(
     times = np.ones(count) if case.times is None else case.times
     if not np.isfinite(case.loads).all():
         loads_of(case.loads)  # which says what is wrong
-    hot, mean, amplitude, swung = np.zeros((4, count))
+    hot, mean, amplitude, swung, off, doubt = np.zeros((6, count))
+    forces = case.loads[:, :3]
+    peak, swing = np.abs(forces).max(axis=0), np.ptp(forces, axis=0) / 2
     spent = np.full(count, np.nan)
     span = np.full((count, 2), np.nan)
     best: list[tuple[Found, Found, Found]] = []
@@ -927,6 +937,7 @@ def _outcome(
         level *= way.has[:, None]
         top = places[np.arange(count), level.argmax(axis=1)]
         peaks.append(_Peak.of(way, top, level.max(axis=1)))
+        off = np.where(level.max(axis=1) > hot, _misread(way, top, case.read, peak), off)
         hot = np.maximum(hot, level.max(axis=1))
         passes = np.stack(np.split(loads, case.places))
         held = way.held_by(passes)
@@ -935,15 +946,17 @@ def _outcome(
         worse = share[most] * way.has > swung
         swung = np.where(worse, share[most], swung)
         mean, amplitude = np.where(worse, m[most], mean), np.where(worse, a[most], amplitude)
+        share = _misread(way, most, case.read, swing) / np.maximum(a[most], 1e-9)
+        doubt = np.where(worse, share, doubt)
         if strength and case.repeats:
             does = [Pass(passes, scale=times)]
             worn, done = _worn(way, does, [held], strength)
-            within = _span(way, worn, does, strength, error) * way.has[:, None]
+            within = _span(way, worn, does, strength, error + share) * way.has[:, None]
             span = np.fmax(span, within)
             spent = np.fmax(spent, done)
     swung_within = np.full((count, 2), np.nan)
     if strength and case.repeats:
-        ends = [times * (1 + sign * np.minimum(error, 1.0)) for sign in (-1, 1)]
+        ends = [times * (1 + sign * np.minimum(error + doubt, 1.0)) for sign in (-1, 1)]
         swung_within = np.stack([
             _used(ways[0].kinds, more * mean, more * amplitude, strength) for more in ends
         ], axis=-1)  # fmt: skip
@@ -966,7 +979,7 @@ def _outcome(
         lowest=min((b[2] for b in best), key=lambda f: f.value),
         on_edge=_on_edge(solved, case.loads),
         hot=hot,
-        error=error * hot,
+        error=error * hot + off,
         mean=mean,
         amplitude=amplitude,
         used=swung if strength and case.repeats else np.full(count, np.nan),
@@ -978,6 +991,17 @@ def _outcome(
         pulls_off=_pulls_off(solved.nodes, case.loads[:, :3]),
     )
     return found, peaks
+
+
+def _misread(way: _Way, at: IntArray, read: Recovered | None, size: FloatArray) -> FloatArray:
+    """Return the stress (m,) Pa at places that what gauges read wrong makes of forces (3,) N.
+
+    Each gauge by chance; nothing where no forces are read from gauges.
+    """
+    if read is None:
+        return np.zeros(len(at))
+    each = von_mises(superpose(way.unit[at, :3], read.inverse.T))
+    return np.linalg.norm(each, axis=1) * read.misread(size)
 
 
 def _pulls_off(nodes: Nodes, forces: FloatArray) -> bool:
