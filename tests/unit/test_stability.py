@@ -448,7 +448,7 @@ def test_the_ramp_makes_the_peak_and_the_joints_next_to_nothing(starts):
     assert dropped.shares["ramp"] > 1.15 * smooth.shares["ramp"]
     assert slow.shares["ramp"] < smooth.shares["ramp"]
     for s in (smooth, dropped, slow):
-        assert abs(s.shares["joints"]) < 4e-3
+        assert abs(s.shares["joints"]) < 5e-3
         # As `check` has it: the file's gearbox passes on 0.95 of it.
         assert s.torque == pytest.approx(850 * 6.70 * 0.95)
         assert s.torque == pytest.approx(float(asked[0].gears.peak[0]))
