@@ -158,7 +158,7 @@ def test_a_finger_drags_a_bearing_and_the_page_stays(tmp_path, width):
         touch("touchEnd")
         now = edited(driver, was)
         # The verdict above takes more lines or fewer: the page stays with what it shows.
-        assert abs(driver.execute_script("return scrollY") - top) < 60
+        assert abs(driver.execute_script("return scrollY") - top) < 150
         old, new = (files.loads(t).lines[0].layout.points[1, 2] for t in (was, now))
         assert new - old > 0.005
 

@@ -83,7 +83,7 @@ def test_forces_over_speed_campbell_and_launch(browser, tmp_path):
         wait(browser, f"{value.replace('return', 'return /N, fail$/.test(')})")
         told = browser.execute_script(value)
         newtons = float(told.rpartition(": ")[2].split(" N")[0])
-        assert newtons == pytest.approx(worst.value, rel=0.01)  # speeds that are drawn, not sought
+        assert newtons == pytest.approx(worst.value, rel=0.015)  # speeds that are drawn, not sought
         browser.find_element("css selector", ".field canvas").send_keys(Keys.ARROW_RIGHT)
         wait(browser, f"{value} !== arguments[0]", told)
         press(browser, ".vehicle .asking button")
@@ -477,25 +477,25 @@ PUT = """const e = document.querySelector(arguments[0]);
 
 
 def test_a_click_on_a_limit_leads_to_where_it_is_worst(browser, tmp_path):
-    """5.612 mm, jounce, pulling away in reverse at -5969 N m: as `cardan check` has it."""
+    """3.845 mm, jounce, pulling away in reverse at -7866 N m: as `cardan check` has it."""
     with workbench(tmp_path) as (house, _):
         opened(browser, house)
         find = (
-            "[...document.querySelectorAll('.worst button')].find(e => /5.612/.test(e.innerText))"
+            "[...document.querySelectorAll('.worst button')].find(e => /3.845/.test(e.innerText))"
         )
         (told,) = [wait(browser, f"return {find}?.innerText")]
         assert "jounce, pulling away in reverse" in told
         browser.execute_script(f"{find}.click()")
         wait(
-            browser, "return /clearance 5.6 mm/i.test(document.querySelector('.angles').innerText)"
+            browser, "return /clearance 3.8 mm/i.test(document.querySelector('.angles').innerText)"
         )
-        assert "torque, as drawn −5969 N·m" in said(browser, ".angles .facts")
+        assert "torque, as drawn −7866 N·m" in said(browser, ".angles .facts")
         assert "jounce, pulling away in reverse" in said(browser, ".views .note")
-        assert "5.6 mm" in said(browser, ".views")
+        assert "3.8 mm" in said(browser, ".views")
         slider = browser.find_elements("css selector", ".poser input[type=range]")[1]
         low, high, now = (float(slider.get_attribute(k)) for k in ("min", "max", "value"))
         assert low <= now <= high
-        assert now == pytest.approx(-5969, abs=10)
+        assert now == pytest.approx(-7866, abs=10)
         assert said(browser, ".poser [aria-pressed=true]") == "jounce"
         clean(browser)
 
@@ -588,11 +588,11 @@ def test_a_page_by_itself_works_from_a_file_with_the_network_off(tmp_path):
         # No slider of torque, which it could not follow; a limit leads to where it is worst.
         assert len(driver.find_elements("css selector", ".poser input[type=range]")) == 1
         worst = (
-            "[...document.querySelectorAll('.worst button')].find(e => /5,612/.test(e.innerText))"
+            "[...document.querySelectorAll('.worst button')].find(e => /3,845/.test(e.innerText))"
         )
         driver.execute_script(f"{worst}.click()")
-        wait(driver, "return /5,6 mm/.test(document.querySelector('.angles .facts').innerText)")
-        assert "−5969 N·m" in said(driver, ".angles .facts")
+        wait(driver, "return /3,8 mm/.test(document.querySelector('.angles .facts').innerText)")
+        assert "−7866 N·m" in said(driver, ".angles .facts")
         assert len(driver.find_elements("css selector", ".poser input[type=range]")) == 1
         wait(driver, "return document.querySelector('.detail .equation')")
         driver.find_elements("css selector", ".views .chips button")[1].click()
