@@ -13,6 +13,9 @@ from click.testing import CliRunner
 from cardan import files
 from cardan.base.units import rpm
 from cardan.cli import cli
+from cardan.demand.states import demand, resolve
+from cardan.quantity import points
+from cardan.quantity.response import respond
 from cardan.study.approval import assess
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -314,3 +317,25 @@ def test_a_line_that_swings_by_itself_is_told_and_has_no_steady_force(tmp_path):
         r["when"]["name"] for r in found["checks"] if r["quantity"] == "centre_bearing_dynamic"
     }
     assert told_of == {"100", "426.6", "500"}
+
+
+def test_the_steady_force_is_sought_beyond_the_flanks_of_a_mode():
+    """Other rubber and phases under the collector: 7 % below a crest the mean is largest.
+
+    Within 1 % of a dense sweep, where 5 % were missed.
+    """
+    text = (EXAMPLES / "refuse-collector-6x2.yaml").read_text("utf-8")
+    was = "vertical_stiffness_N_mm: 200, lateral_stiffness_N_mm: 120"
+    for up, level, loss in ((300, 300, 0.05), (500, 80, 0.1)):
+        told = f"vertical_stiffness_N_mm: {up}, lateral_stiffness_N_mm: {level}"
+        text = text.replace(was, f"{told}, loss_factor: {loss}", 1)
+    turned = {
+        "driveline.pinion_slope.side_deg": 3.41,
+        "driveline.shafts[1].phase_deg": 3.0,
+        "driveline.shafts[3].phase_deg": 90.0,
+    }
+    given = files.change(files.loads(text), turned)
+    r = respond(given, demand(resolve(given, given.lines[0])))
+    dense = points.swept(r, np.linspace(0, 450, 400) * rpm).running.static
+    worst = np.nanmax(dense, axis=(0, 1))
+    assert (r.bearing_force("static") > 0.99 * worst).all()
