@@ -51,6 +51,9 @@ FIRM = 1e14
 """N/m, of a bearing without rubber in a bracket that gives: a millionth of what brackets give,
 and rounding is as small."""
 
+SHARES = (0.7, 0.85, 1.0)
+"""Of a gear's highest speed: there its torque falls, and an axle's springs stiffen somewhere."""
+
 STRAIGHT = 1e-9
 """m, of travel that is rounding."""
 
@@ -164,8 +167,8 @@ def curves_of(r: "Response") -> Curves:
 def spread(r: "Response") -> Spread | None:
     """Return a line at the corners of its curves; None where it has none.
 
-    Those of most torque each way it is turned, and the highest speed of each gear: between
-    them torque and speed go straight.
+    Those of most torque each way it is turned, the highest speed of each gear and two `SHARES` of
+    it: between them torque and speed go straight, and so does an axle, but where springs stiffen.
     """
     found = r.own_curves
     if not found.gears:
@@ -176,7 +179,9 @@ def spread(r: "Response") -> Spread | None:
         found = _beside_variants(found, (1, *found.fastest.shape[1:]))
     rows = [row for of in _ways(found) for row in _corners(found, of)]
     every = np.arange(len(found.gears)).reshape(-1, *(1,) * (found.fastest.ndim - 1))
-    rows.append((np.broadcast_to(every, found.fastest.shape), found.fastest))
+    every = np.broadcast_to(every, found.fastest.shape)
+    shares = SHARES if r.demand.standing.squats.any() else SHARES[-1:]
+    rows += [(every, share * found.fastest) for share in shares]
     # Many a gear ends where its way does.
     curve, speed = _gathered(found, [_once(*_gathered(found, rows))])
     asked = demand_at(r.demand, found, curve=curve, speed=speed)
