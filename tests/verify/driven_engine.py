@@ -51,17 +51,21 @@ class Driving(Swinging):
     """A line under way.
 
     As `Swinging`, with `mounts` at the overhangs, torque (n+1,) N m and speed (n+1,) rad/s at
-    each `step` s, and `heavy`: kg m off the axis at a shaft's rear end, by shaft from 1.
+    each `step` s, and `heavy`: kg m off the axis at a shaft's rear end, by shaft from 1. Between
+    its yokes each shaft may be a torsion spring, N m/rad.
     """
 
     def __init__(
         self, points: Any, directions: Any, phases: Any, shafts: list[Rigid], overhangs: Any, *,
         mounts: list[Mount], torque: np.ndarray, speed: np.ndarray, step: float,
-        heavy: dict[int, float] | None = None,
+        heavy: dict[int, float] | None = None, torsion: Any = None,
     ) -> None:  # fmt: skip
         P, d = np.asarray(points), np.asarray(directions)
         self.speed, self.torque, self.step = speed, torque, step
-        self._line(P, d, phases, shafts, speed=speed[0])
+        if torsion is not None:  # it starts as it would stand still under its torque
+            self._turned = torque[0] / np.asarray(torsion)
+            phases = phases - self._turned
+        self._line(P, d, phases, shafts, speed=speed[0], torsion=torsion)
         held = -torque + FLYWHEEL * np.gradient(speed, step)
         self._pushed("Torque", self.flange, torque[:, None] * d[0])
         self._pushed("Torque", self.pinion, held[:, None] * d[-1])

@@ -20,6 +20,7 @@ Cameron & Miller, A practitioner's guide to cluster-robust inference, J. Hum. Re
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -57,7 +58,12 @@ CROOKED = 3 * deg
 with play. A wrong tooth is looked for by itself."""
 
 LEFT_OUT = 0.02
-"""Share of an amplitude that the model leaves out, assumed: sets weights, not the interval."""
+"""Share of an amplitude that the model leaves out by itself in each window, assumed."""
+
+ALIKE_OUT, OCTAVES = 0.05, 0.25
+"""Share of the force that the model leaves out alike at speeds so many octaves apart, one standard
+deviation, assumed: however often a speed is passed, that does not average out
+(`tests/verify/many_trucks.py`)."""
 
 LEAST = {"vertical": 0.02, "lateral": 0.02, "loss": 0.06, "gain": 0.025, "mode damping": 0.03}
 """Half of the narrowest interval that is told, relative: rubber whose loss goes with frequency,
@@ -450,6 +456,7 @@ class _Fit:
         self.model, self.scene, self.cuts = model, model.scene, cuts
         self.units, self.gauges, self.noise = units, gauges, noise
         self.blocks = int(model.scene.block.max(initial=0)) + 1
+        self.alike: list[tuple[ComplexArray, FloatArray]] = []
 
     def free(
         self, *, turned: tuple[int, float] | None, mode: tuple[float, float] | None
@@ -531,10 +538,13 @@ class _Fit:
 
     def stress(self, said: "_Said", *, memory: bool = True) -> ComplexArray:
         """Return computed cuts (gauges, K, W) Pa, order 1 of 1 kg m, the mark at the yoke."""
+        return np.tensordot(self.felt(said), self.force(said, memory=memory), axes=1)
+
+    def force(self, said: "_Said", *, memory: bool = True) -> ComplexArray:
+        """Return the force that makes them, its three ways, (3, K, W) N."""
         scene = self.scene
-        forces = self.model.forces(said.held, said.phases)
         W = 2 * np.pi * np.multiply.outer(ORDERS, scene.at.speed)
-        out = np.einsum("wkc,gc->gkw", forces, self.felt(said)) * _gain_of(said.mode, W)
+        out = self.model.forces(said.held, said.phases).T * _gain_of(said.mode, W)
         if memory:
             poles = self.model.poles(said.held, said.mode)
             for k, order in enumerate(ORDERS):
@@ -547,7 +557,9 @@ class _Fit:
         across = np.ones_like(said.askew)
         return said.gain[:, None] * self.units * np.stack([across, across, said.askew], axis=-1)
 
-    def turned(self, computed: ComplexArray) -> tuple[ComplexArray, complex, FloatArray]:
+    def turned(
+        self, computed: ComplexArray
+    ) -> tuple[ComplexArray, complex, FloatArray, ComplexArray]:
         """Return computed cuts as the tacho sees them, the unbalance that fits order 1, and marks.
 
         Where the mark stands follows from order 2, block by block; of order 1, whose mark may
@@ -576,11 +588,39 @@ class _Fit:
                 fit = (np.conj(one[:, here] * heavy) * cuts[:, 0, here] * w[:, 0, here]).sum()
                 signs[b] = 1.0 if fit.real >= 0 else -1.0
         out[:, 0] = one * signs[self.scene.block] * heavy
-        return out, heavy, marks[self.scene.block]
+        turn = np.stack([mark * signs[self.scene.block] * heavy, mark**2, mark**4])
+        return out, heavy, marks[self.scene.block], turn
 
     def off(self, computed: ComplexArray) -> ComplexArray:
         """Measured less computed (gauges, K, W), in standard deviations; nought where unknown."""
-        return np.nan_to_num((self.cuts.amplitude - self.turned(computed)[0]) / self.noise)
+        off = np.nan_to_num((self.cuts.amplitude - self.turned(computed)[0]) / self.noise)
+        for k, (ways, less) in enumerate(self.alike):
+            one = off[:, k].ravel()
+            off[:, k] -= (ways @ (less * (np.conj(ways).T @ one))).reshape(off[:, k].shape)
+        return off
+
+    def allowing(self, said: "_Said") -> "_Fit":
+        """Return the same with what the model leaves out of the force alike at alike speeds.
+
+        A part of each way's force, by order, that is straight between knots of speed: its
+        covariance whitens what is left over.
+        """
+        force, felt = self.force(said), self.felt(said)
+        turn = self.turned(np.tensordot(felt, force, axes=1))[3]
+        hats = _hats(np.log2(self.scene.at.speed) / OCTAVES)
+        coasts = self.scene.torque < 0
+        hats = np.concatenate([hats * coasts, hats * ~coasts])
+        known = np.where(np.isnan(self.cuts.amplitude), 0, ALIKE_OUT / self.noise)
+        found = []
+        for k in range(len(ORDERS)):
+            turned = force[:, k] * turn[k]
+            columns = np.einsum("gw,gc,cw,jw->gwcj", known[:, k], felt, turned, hats)
+            wide = columns.reshape(len(felt) * hats.shape[1], -1)
+            ways, size, _ = np.linalg.svd(wide, full_matrices=False)
+            found.append((ways, 1 - 1 / np.sqrt(1 + size**2)))
+        other = copy(self)
+        other.alike = found
+        return other
 
     def rows(self, free: Sequence[_Free], x: FloatArray, *, memory: bool = True) -> FloatArray:
         """Return what is left over, real and imaginary, blows cut down, and what priors say."""
@@ -602,6 +642,12 @@ class _Said:
     gain: FloatArray
     askew: FloatArray
     lag: float
+
+
+def _hats(at: FloatArray) -> FloatArray:
+    """Return what is straight between whole numbers, 1 at one of them: (knots, W) of (W,)."""
+    knots = np.arange(np.floor(at.min()), np.ceil(at.max()) + 1)
+    return np.maximum(1 - np.abs(at - knots[:, None]), 0.0)
 
 
 def _address(r: Response) -> str:
@@ -706,6 +752,8 @@ def identify(
     noise = np.nan_to_num(np.sqrt(level**2 + LEFT_OUT**2 * rough), nan=1.0)
     fit = _Fit(model, cuts, units, gauges, noise=noise)
     found = _best(fit, phases=phases)
+    fit = fit.allowing(fit.said(found.free, found.x))
+    found = _Found(found.free, *_least(lambda at: fit.rows(found.free, at), found.x))
     return _told(fit, found, application, state=state, bearing=bearing)
 
 
@@ -875,7 +923,7 @@ def _told(
     sigma = _spread(fit, found)
     free, x = found.free, found.x
     said = fit.said(free, x)
-    computed, U, mark = fit.turned(fit.stress(said))
+    computed, U, mark, _ = fit.turned(fit.stress(said))
     file = fit.free(turned=None, mode=None)
     written, *_ = fit.turned(fit.stress(fit.said(file, np.zeros(len(file)))))
     units = fit.felt(said)
