@@ -60,10 +60,16 @@ with play. A wrong tooth is looked for by itself."""
 LEFT_OUT = 0.02
 """Share of an amplitude that the model leaves out by itself in each window, assumed."""
 
-ALIKE_OUT, OCTAVES = 0.05, 0.25
+ALIKE_OUT, OCTAVES = 0.05, (0.25, 1.0, 100.0)
 """Share of the force that the model leaves out alike at speeds so many octaves apart, one standard
-deviation, assumed: however often a speed is passed, that does not average out
+deviation of each, assumed: however often a speed is passed, that does not average out
 (`tests/verify/many_trucks.py`)."""
+
+STARTS = 2
+"""Other places from which least squares are begun."""
+
+RIVAL = 9.0
+"""Misfit in variances by which another place may fit worse and still be the truth."""
 
 LEAST = {"vertical": 0.02, "lateral": 0.02, "loss": 0.06, "gain": 0.025, "mode damping": 0.03}
 """Half of the narrowest interval that is told, relative: rubber whose loss goes with frequency,
@@ -83,8 +89,18 @@ ASKEW = "askew"
 """What is computed of a gauge up over what is computed of it across, beyond its gain: is not told,
 and makes intervals as wide as it leaves them."""
 
+LAW = 0.7
+"""Exponent of frequency by which the loss of rubber grows, one standard deviation, assumed: none
+of an ideal one, 1 of a damper."""
+
+SEATS, SEAT = ("seat sideways", "seat up"), (1 / 60) ** 2
+"""What a bracket's own mode raises its force by, 1 over the square of its Hz, assumed."""
+
 NARROWED = 0.5
 """A parameter is told where its interval is narrower than this share of what was assumed."""
+
+KEPT = 40
+"""Forces that are remembered: most of what moves from the file does not change them."""
 
 FINE = 250.0
 """Samples a second at which a mode's memory is stepped: of waves that turn one way."""
@@ -352,23 +368,30 @@ class _Model:
         under = demand_under(asked, torque=torque, speed=speed, coasts=torque < 0)
         self.layout: Layout = self.response.lay(under)
         self.torque, self.speed = torque, speed
+        hung = 2 * np.pi * np.array(self.hung(held))
+        self.usual = float(np.exp(np.log(hung[hung < 4 * speed.max()]).mean()))
         self.shaft = [k for k, s in enumerate(self.response.line.shafts) if s.centre_bearing][
             self.bearing
         ]
 
-    def forces(self, held: Suspended, phases: FloatArray) -> ComplexArray:
+    def lossy(self, held: Suspended, law: float, order: float) -> Suspended:
+        """Return the line with the loss of its rubber as it is at an order of each window."""
+        swift = (order * self.speed / self.usual) ** law
+        return replace(held, loss=held.loss * swift[..., None])
+
+    def forces(self, held: Suspended, phases: FloatArray, law: float) -> ComplexArray:
         """Force (W, K, 3) N on the bearing; order 1 of 1 kg m at the rear of its shaft."""
         r = self.response
         run = running(
-            self.layout, r.line, phases, torque=self.torque, speed=self.speed, held=held,
-            inertias=r.inertias,
+            self.layout, r.line, phases, torque=self.torque, speed=self.speed,
+            held=self.lossy(held, law, 2.0), inertias=r.inertias,
         )  # fmt: skip
         waves = run.waves[:, 0, self.bearing]
         self.mean = run.mean[:, 0, self.bearing]
         side = unit(cross(held.along, np.array([0.0, 0.0, 1.0])))
         turning = (side - 1j * cross(held.along, side))[..., self.shaft, :]
         push = (turning[..., None, :] @ held.rear[..., self.shaft, :, :])[..., 0, :]
-        once = held.moved(
+        once = self.lossy(held, law, 1.0).moved(
             push * self.speed[..., None] ** 2, frequency=self.speed, speed=self.speed,
             torque=self.torque,
         )  # fmt: skip
@@ -379,11 +402,14 @@ class _Model:
         modes = held.modes(torque=float(np.sqrt(np.mean(self.torque**2))))
         return tuple(np.sort(modes.frequency[0] / (2 * np.pi)).tolist())
 
-    def poles(self, held: Suspended, mode: tuple[float, float] | None) -> ComplexArray:
+    def poles(
+        self, held: Suspended, mode: tuple[float, float] | None, law: float
+    ) -> ComplexArray:
         """Return the poles that a drive through its speeds can shake, 1/s."""
         mean = float(np.sqrt(np.mean(self.torque**2)))
         modes = held.modes(torque=mean)
-        f, d = modes.frequency[0], modes.damping[0]
+        f = modes.frequency[0]
+        d = np.minimum(modes.damping[0] * (f / self.usual) ** law, 0.5)
         top = 1.3 * 4 * float(self.speed.max())
         near = f < top
         found = [
@@ -457,6 +483,7 @@ class _Fit:
         self.units, self.gauges, self.noise = units, gauges, noise
         self.blocks = int(model.scene.block.max(initial=0)) + 1
         self.alike: list[tuple[ComplexArray, FloatArray]] = []
+        self.kept: dict[bytes, ComplexArray] = {}
 
     def free(
         self, *, turned: tuple[int, float] | None, mode: tuple[float, float] | None
@@ -493,6 +520,8 @@ class _Fit:
         ]
         # How a flange is held moves what a gauge reads of one way of pulling more than of another.
         found += [_Free(ASKEW, Part("gauge", 0, g), 1.0, PRIOR[ASKEW]) for g in self.gauges]
+        found.append(_Free("law", LINE, 0.0, LAW, log=False))
+        found += [_Free(name, LINE, 0.0, 1.0, log=False) for name in SEATS]
         if self.blocks > 1:
             found.append(_Free("lag", LINE, 0.0, LATE, log=False))
         if mode is not None:
@@ -534,7 +563,11 @@ class _Fit:
         gain = np.array([values.get(("gain", Part("gauge", 0, g)), 1.0) for g in self.gauges])
         askew = np.array([values.get((ASKEW, Part("gauge", 0, g)), 1.0) for g in self.gauges])
         held = replace(self.model.held, stiffness=stiffness, loss=loss)
-        return _Said(held, phases, mode, gain, askew, values.get(("lag", LINE), 0.0))
+        return _Said(
+            held, phases, mode, gain, askew, values.get(("lag", LINE), 0.0),
+            values.get(("law", LINE), 0.0),
+            SEAT * np.array([0.0, *(values.get((n, LINE), 0.0) for n in SEATS)]),
+        )  # fmt: skip
 
     def stress(self, said: "_Said", *, memory: bool = True) -> ComplexArray:
         """Return computed cuts (gauges, K, W) Pa, order 1 of 1 kg m, the mark at the yoke."""
@@ -542,15 +575,26 @@ class _Fit:
 
     def force(self, said: "_Said", *, memory: bool = True) -> ComplexArray:
         """Return the force that makes them, its three ways, (3, K, W) N."""
+        scene, held = self.scene, said.held
+        numbers = (held.stiffness, held.loss, said.phases, said.law, said.mode or 0, memory)
+        asked = b"".join(np.asarray(n, dtype=float).tobytes() for n in numbers)
+        if asked not in self.kept:
+            if len(self.kept) > KEPT:
+                self.kept.clear()
+            self.kept[asked] = self._force(said, memory=memory)
+        W = np.multiply.outer(ORDERS, scene.at.speed)
+        felt = np.exp(2j * np.pi * said.lag * W)
+        return self.kept[asked] * felt * (1 + said.seat[:, None, None] * W**2)
+
+    def _force(self, said: "_Said", *, memory: bool) -> ComplexArray:
         scene = self.scene
         W = 2 * np.pi * np.multiply.outer(ORDERS, scene.at.speed)
-        out = self.model.forces(said.held, said.phases).T * _gain_of(said.mode, W)
+        out = self.model.forces(said.held, said.phases, said.law).T * _gain_of(said.mode, W)
         if memory:
-            poles = self.model.poles(said.held, said.mode)
+            poles = self.model.poles(said.held, said.mode, said.law)
             for k, order in enumerate(ORDERS):
                 out[:, k] += _remembered(scene, out[:, k], poles, order)
-        late = np.exp(2j * np.pi * said.lag * np.multiply.outer(ORDERS, scene.at.speed))
-        return out * late
+        return out
 
     def felt(self, said: "_Said") -> FloatArray:
         """Return what a unit force was found to do at each gauge, (gauges, 3) Pa/N."""
@@ -607,7 +651,8 @@ class _Fit:
         """
         force, felt = self.force(said), self.felt(said)
         turn = self.turned(np.tensordot(felt, force, axes=1))[3]
-        hats = _hats(np.log2(self.scene.at.speed) / OCTAVES)
+        pace = np.log2(self.scene.at.speed)
+        hats = np.concatenate([_hats(pace / o) for o in OCTAVES])
         coasts = self.scene.torque < 0
         hats = np.concatenate([hats * coasts, hats * ~coasts])
         known = np.where(np.isnan(self.cuts.amplitude), 0, ALIKE_OUT / self.noise)
@@ -642,6 +687,8 @@ class _Said:
     gain: FloatArray
     askew: FloatArray
     lag: float
+    law: float
+    seat: FloatArray
 
 
 def _hats(at: FloatArray) -> FloatArray:
@@ -753,8 +800,11 @@ def identify(
     fit = _Fit(model, cuts, units, gauges, noise=noise)
     found = _best(fit, phases=phases)
     fit = fit.allowing(fit.said(found.free, found.x))
-    found = _Found(found.free, *_least(lambda at: fit.rows(found.free, at), found.x))
-    return _told(fit, found, application, state=state, bearing=bearing)
+    free = found.free
+    begun = [found.x, *_starts(fit, free)[:STARTS]]
+    minima = [_Found(free, *_least(lambda at: fit.rows(free, at), x)) for x in begun]
+    minima.sort(key=lambda one: one.misfit)
+    return _told(fit, minima, application, state=state, bearing=bearing)
 
 
 def _scene(angle: Angle, torque: tuple[FloatArray, float], seconds: float) -> _Scene:
@@ -871,7 +921,7 @@ def _solved(
 ) -> _Found:  # fmt: skip
     """Return the least squares with a shaft turned and a mode, from `since` or from the file."""
     free = fit.free(turned=turned, mode=mode)
-    x = _start(fit, free) if since is None else since.beginning(free)
+    x = _starts(fit, free)[0] if since is None else since.beginning(free)
     return _Found(free, *_least(lambda at: fit.rows(free, at), x))
 
 
@@ -904,23 +954,32 @@ def _rough(fit: _Fit, free: list[_Free], best: _Found) -> float:
     return float(left @ left)
 
 
-def _start(fit: _Fit, free: list[_Free]) -> FloatArray:
-    """Return where to begin: stiffness up and down by a third, whichever fits best."""
-    names = [f.name for f in free]
-    steps = np.log([0.7, 1.0, 1.4])
-    options: list[tuple[float, FloatArray]] = []
-    for up, side in product(steps, steps):
-        x = np.array([up if n == "vertical" else side if n == "lateral" else 0.0 for n in names])
-        left = fit.rows(free, x, memory=False)
-        options.append((float(left @ left), x))
-    return min(options, key=lambda o: o[0])[1]
+def _starts(fit: _Fit, free: list[_Free]) -> list[FloatArray]:
+    """Return where to begin, likely ones first: each stiffness a quarter up or down, and the file.
+
+    Lines of several bearings have places that fit better than all about them and are not the best.
+    """
+    moves = [f.name in ("vertical", "lateral") for f in free]
+    options = [np.zeros(len(free))]
+    for signs in product((-1, 1), repeat=min(sum(moves), 6)):
+        x = np.zeros(len(free))
+        x[np.flatnonzero(moves)[: len(signs)]] = np.log(1.25) * np.array(signs)
+        options.append(x)
+
+    def misfit(x: FloatArray) -> float:
+        left = fit.rows(free, x)
+        return float(left @ left)
+
+    return sorted(options, key=misfit)
 
 
 def _told(
-    fit: _Fit, found: _Found, application: Application, *, state: str, bearing: int
+    fit: _Fit, minima: list[_Found], application: Application, *, state: str, bearing: int
 ) -> Identification:
-    """Return what was found with its intervals."""
-    sigma = _spread(fit, found)
+    """Return what was found with its intervals: of the best minimum, and of those as likely."""
+    found = minima[0]
+    rivals = [one for one in minima if one.misfit - found.misfit < RIVAL]
+    spread = [_spread(fit, one) for one in rivals]
     free, x = found.free, found.x
     said = fit.said(free, x)
     computed, U, mark, _ = fit.turned(fit.stress(said))
@@ -928,13 +987,16 @@ def _told(
     written, *_ = fit.turned(fit.stress(fit.said(file, np.zeros(len(file)))))
     units = fit.felt(said)
     parameters: list[Parameter] = []
-    for f, at, s in zip(free, x, sigma, strict=True):
-        if f.name in ("lag", ASKEW):
+    for n, f in enumerate(free):
+        if f.name in ("lag", "law", *SEATS, ASKEW):
             continue
         floor = LEAST.get(f.name, 0.01 if f.log else 0.5 * deg)
-        half = max(SURE * float(s), floor)
-        low, high = f.value(at - half), f.value(at + half)
-        told = not np.isfinite(f.prior) or s < NARROWED * f.prior
+        at = x[n]
+        half = [max(SURE * float(s[n]), floor) for s in spread]
+        low = min(one.x[n] - h for one, h in zip(rivals, half, strict=True))
+        high = max(one.x[n] + h for one, h in zip(rivals, half, strict=True))
+        told = not np.isfinite(f.prior) or (high - low) / 2 < SURE * NARROWED * f.prior
+        low, high = f.value(low), f.value(high)
         parameters.append(
             Parameter(
                 name=f.name, part=f.part, was=f.was, value=f.value(at), low=low, high=high,
@@ -1038,7 +1100,7 @@ def load_history(
     turns = rotation.at(time) + of.mark[near] / (2 * np.pi)
     mean, waves = run.mean[:, 0, r.bearing].T, run.waves[:, 0, r.bearing]
     force = np.stack([np.interp(time, scene.at.time, m) for m in mean], axis=-1)
-    poles = r.poles(r.held, None)
+    poles = r.poles(r.held, None, 0.0)
     clock = np.arange(scene.fine_angle.size) / FINE
 
     def between(at: FloatArray, z: ComplexArray) -> ComplexArray:
