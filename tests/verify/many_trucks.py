@@ -128,7 +128,7 @@ def drive(of: Truck) -> dict[str, np.ndarray]:
     stress = felt @ driven.force[1].T + rng.normal(0, 0.2e6, (3, driven.time.size))
     return {
         "stress": stress.astype(np.float32),
-        "time": driven.time[::5],
+        "time": driven.time[::5] - STEP,
         "turns": driven.angle[::5] / (2 * np.pi) + 0.3,
         "torque": driven.torque[::5].astype(np.float32),
         "force": driven.force[1].astype(np.float32),

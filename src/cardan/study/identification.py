@@ -65,8 +65,8 @@ ALIKE_OUT, OCTAVES = 0.05, (0.25, 1.0, 100.0)
 deviation of each, assumed: however often a speed is passed, that does not average out
 (`tests/verify/many_trucks.py`)."""
 
-STARTS = 2
-"""Other places from which least squares are begun."""
+FAINT = 0.1
+"""Standard deviations from which what is left out alike counts beside noise."""
 
 RIVAL = 9.0
 """Misfit in variances by which another place may fit worse and still be the truth."""
@@ -482,7 +482,7 @@ class _Fit:
         self.model, self.scene, self.cuts = model, model.scene, cuts
         self.units, self.gauges, self.noise = units, gauges, noise
         self.blocks = int(model.scene.block.max(initial=0)) + 1
-        self.alike: list[tuple[ComplexArray, FloatArray]] = []
+        self.alike: list[tuple[ComplexArray, ComplexArray]] = []
         self.kept: dict[bytes, ComplexArray] = {}
 
     def free(
@@ -522,8 +522,8 @@ class _Fit:
         found += [_Free(ASKEW, Part("gauge", 0, g), 1.0, PRIOR[ASKEW]) for g in self.gauges]
         found.append(_Free("law", LINE, 0.0, LAW, log=False))
         found += [_Free(name, LINE, 0.0, 1.0, log=False) for name in SEATS]
-        if self.blocks > 1:
-            found.append(_Free("lag", LINE, 0.0, LATE, log=False))
+        late = LATE if self.blocks > 1 else PROMPT
+        found.append(_Free("lag", LINE, 0.0, late, log=False))
         if mode is not None:
             part = Part("gauge", 0, "bracket")
             found += [
@@ -638,9 +638,8 @@ class _Fit:
     def off(self, computed: ComplexArray) -> ComplexArray:
         """Measured less computed (gauges, K, W), in standard deviations; nought where unknown."""
         off = np.nan_to_num((self.cuts.amplitude - self.turned(computed)[0]) / self.noise)
-        for k, (ways, less) in enumerate(self.alike):
-            one = off[:, k].ravel()
-            off[:, k] -= (ways @ (less * (np.conj(ways).T @ one))).reshape(off[:, k].shape)
+        for k, (ways, back) in enumerate(self.alike):
+            off[:, k] -= (ways @ (back @ off[:, k].ravel())).reshape(off[:, k].shape)
         return off
 
     def allowing(self, said: "_Said") -> "_Fit":
@@ -662,7 +661,9 @@ class _Fit:
             columns = np.einsum("gw,gc,cw,jw->gwcj", known[:, k], felt, turned, hats)
             wide = columns.reshape(len(felt) * hats.shape[1], -1)
             ways, size, _ = np.linalg.svd(wide, full_matrices=False)
-            found.append((ways, 1 - 1 / np.sqrt(1 + size**2)))
+            ways, size = ways[:, size > FAINT], size[size > FAINT]
+            back = (1 - 1 / np.sqrt(1 + size**2))[:, None] * np.conj(ways).T
+            found.append((ways, back))
         other = copy(self)
         other.alike = found
         return other
@@ -801,7 +802,7 @@ def identify(
     found = _best(fit, phases=phases)
     fit = fit.allowing(fit.said(found.free, found.x))
     free = found.free
-    begun = [found.x, *_starts(fit, free)[:STARTS]]
+    begun = [found.x, *_across(_starts(fit, free), found.x)]
     minima = [_Found(free, *_least(lambda at: fit.rows(free, at), x)) for x in begun]
     minima.sort(key=lambda one: one.misfit)
     return _told(fit, minima, application, state=state, bearing=bearing)
@@ -848,6 +849,9 @@ def _scene(angle: Angle, torque: tuple[FloatArray, float], seconds: float) -> _S
 
 BLOCK = 12
 """Windows beside one another that err together."""
+
+PROMPT = 0.0005
+"""What a logger's filters put a gauge behind the tacho by, s, one standard deviation, assumed."""
 
 LATE = 0.005
 """What is left of a bus's lag once the stress has told it, s, one standard deviation, assumed."""
@@ -971,6 +975,14 @@ def _starts(fit: _Fit, free: list[_Free]) -> list[FloatArray]:
         return float(left @ left)
 
     return sorted(options, key=misfit)
+
+
+def _across(starts: list[FloatArray], found: FloatArray) -> list[FloatArray]:
+    """Return for each stiffness the likeliest start that is on the other side of what was found."""
+    every = np.array(starts)
+    moved = np.flatnonzero(every.any(axis=0))
+    places = {int(np.argmax(every[:, k] * found[k] < 0)) for k in moved if found[k]}
+    return [starts[place] for place in sorted(places)]
 
 
 def _told(
