@@ -8,7 +8,8 @@ own; tubes twist under torque. Their file is one and the same: as drawn.
 """
 
 import sys
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,10 @@ from test_rubber_engine import rigid
 
 from cardan import files
 from cardan.demand.states import demand, resolve
+from cardan.fatigue.angle import Angle
+from cardan.fatigue.orders import Rotation
 from cardan.quantity.response import respond
+from cardan.study.identification import Identification, Parameter, identify
 
 FILE = Path(__file__).parents[2] / "examples" / "refuse-collector" / "application.yaml"
 rpm = np.pi / 30
@@ -86,7 +90,8 @@ def drive(of: Truck) -> dict[str, np.ndarray]:
     rng = np.random.default_rng(10_000 + of.seed)
     ends = np.cumsum([0] + [seconds for seconds, *_ in of.legs])
     time = np.arange(int(ends[-1] / STEP) + 1) * STEP
-    speed = smooth(np.interp(time, ends, [60] + [to for _, to, _ in of.legs]), round(0.8 / STEP)) * rpm
+    speed = np.interp(time, ends, [60] + [to for _, to, _ in of.legs])
+    speed = smooth(speed, round(0.8 / STEP)) * rpm
     held = np.repeat([torque for *_, torque in of.legs], 2).astype(float)
     shifts = np.repeat(ends, 2)[1:-1] + np.tile([0.15, -0.15], len(of.legs))
     torque = smooth(np.interp(time, shifts, held), round(0.25 / STEP)) * np.clip(time / 0.3, 0, 1)
@@ -135,12 +140,44 @@ def drive(of: Truck) -> dict[str, np.ndarray]:
     }
 
 
+def found(drive: dict[str, np.ndarray]) -> Identification:
+    """Return what the recording of its drive says, held against the file as drawn."""
+    text = FILE.read_text().replace("      tube_length_mm: 5\n", "")  # these shafts twist
+    return identify(
+        files.loads(text, folder=FILE.parent), iter([drive["stress"].astype(float)]),
+        rate=1 / STEP, gauges=GAUGES, units=UNITS,
+        angle=Angle(Rotation(drive["time"], drive["turns"]), lag=0.02),
+        torque=(drive["torque"].astype(float), 0.2 / STEP), seconds=float(drive["time"][-1]),
+        state="gvw", bearing=2,
+    )  # fmt: skip
+
+
+def true(of: Truck) -> dict[tuple, tuple[float, float]]:
+    """What is so, by name and number or gauge, between two numbers where it is not one.
+
+    A loss is of rubber and bracket together, which is not the same up and sideways.
+    """
+    held, told = of.supports(), {("unbalance", 2): (of.heavy, of.heavy)}
+    for k, (own, rubber, loss) in enumerate(zip(held, of.rubber, of.loss, strict=True), 1):
+        told |= {("vertical", k): (own[0],) * 2, ("lateral", k): (own[1],) * 2}
+        told["loss", k] = float((own / rubber).min() * loss), loss
+    told |= {("phase", k): (phase, phase) for k, phase in enumerate(of.phases, 1)}
+    return told | {("gain", g): (gain, gain) for g, gain in zip(GAUGES, of.gain, strict=True)}
+
+
+def held(of: Truck, parameters: Iterable[Parameter]) -> Iterator[tuple[str, bool]]:
+    """Yield each number's name, and whether its interval holds what is so."""
+    known = true(of)
+    for p in parameters:
+        if bounds := known.get((p.name, p.part.other or p.part.number)):
+            yield p.name, p.low <= bounds[1] and bounds[0] <= p.high
+
+
 def main(folder: Path, first: int, last: int) -> None:
     """Drive trucks, one file each."""
     folder.mkdir(parents=True, exist_ok=True)
     for seed in range(first, last):
-        np.savez(folder / f"{seed}.npz", **drive(truck(seed)), truck=np.array([asdict(truck(seed))]))
-        print(seed, flush=True)
+        np.savez(folder / f"{seed}.npz", **drive(truck(seed)))
 
 
 if __name__ == "__main__":

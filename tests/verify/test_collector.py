@@ -154,7 +154,7 @@ def test_what_is_otherwise_is_found():
         true = known["phase_2_deg"] if shaft == 2 else 0.0
         assert p.told_in_unit(p.low) <= true <= p.told_in_unit(p.high), p
     before, after = heard("promise.yaml").identification.misfit
-    assert after < 0.06 < 0.15 < before  # what is left is the road
+    assert after < 0.07 < 0.15 < before  # what is left is the road
 
 
 @pytest.mark.slow

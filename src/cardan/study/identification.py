@@ -402,9 +402,7 @@ class _Model:
         modes = held.modes(torque=float(np.sqrt(np.mean(self.torque**2))))
         return tuple(np.sort(modes.frequency[0] / (2 * np.pi)).tolist())
 
-    def poles(
-        self, held: Suspended, mode: tuple[float, float] | None, law: float
-    ) -> ComplexArray:
+    def poles(self, held: Suspended, mode: tuple[float, float] | None, law: float) -> ComplexArray:
         """Return the poles that a drive through its speeds can shake, 1/s."""
         mean = float(np.sqrt(np.mean(self.torque**2)))
         modes = held.modes(torque=mean)
@@ -604,8 +602,9 @@ class _Fit:
     def turned(self, computed: ComplexArray) -> tuple[ComplexArray, complex, FloatArray]:
         """Return what makes computed cuts those that the tacho sees, unbalance and marks.
 
-        A factor (K, W); the unbalance that fits order 1 is in it. Where the mark stands follows from order 2, block by block; of order 1, whose mark may
-        be half a turn off by that, the half turn that fits.
+        A factor (K, W); the unbalance that fits order 1 is in it. Where the mark stands follows
+        from order 2, block by block; of order 1, whose mark may be half a turn off by that, the
+        half turn that fits.
         """
         cuts, w = self.cuts.amplitude, 1 / self.noise**2
         w = np.where(np.isnan(cuts), 0.0, w)
@@ -1057,9 +1056,7 @@ def _spread(fit: _Fit, found: _Found) -> FloatArray:
     return np.sqrt(np.maximum(np.diag(robust), np.diag(plain)))
 
 
-def _unbalance(
-    fit: _Fit, said: _Said, fitted: ComplexArray, U: complex
-) -> list[Parameter]:
+def _unbalance(fit: _Fit, said: _Said, fitted: ComplexArray, U: complex) -> list[Parameter]:
     """Return what is unbalanced at the rear of the bearing's shaft, kg m."""
     measured = fit.cuts.amplitude[:, 0]
     w = np.where(np.isnan(measured), 0.0, 1 / fit.noise[:, 0] ** 2)
