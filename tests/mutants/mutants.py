@@ -662,6 +662,8 @@ RECORDED = (
     mutant("study/identification.py", "stiffness[..., nth, k] = values.get((name, part), stiffness[..., nth, k])",
            "stiffness[..., nth, 1 - k] = values.get((name, part), stiffness[..., nth, k])",
            "up and sideways are swapped", "verify/test_identification.py::test_the_truth_lies_inside_every_interval"),
+    mutant("study/identification.py", "begun = [found.x, *_across(_starts(fit, free), found.x)]", "begun = [found.x]",
+           "one of two places that fit is the only one", "verify/test_collector.py::test_what_is_otherwise_is_found"),
     mutant("study/identification.py", "np.stack([once, mark**2, mark**4])", "np.stack([once, mark**2, mark**2])", "order 4 turns with order 2's mark",
            "verify/test_identification.py::test_the_truth_lies_inside_every_interval"),
     mutant("study/identification.py", "turns = rotation.at(time) + of.mark[near] / (2 * np.pi)",

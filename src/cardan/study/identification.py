@@ -13,10 +13,15 @@ where the angle comes from a channel of speed it is free every 10 s.
 A resonance that is passed remembers. F is of a steady speed; what its modes remember of a
 changing one is added by their poles, so a quick run-up bends no stiffness.
 
-Intervals are of 90 %: what the noise and whatever the model leaves out do to the answer,
-taken from blocks of windows together, for neighbours err alike.
+Intervals are of 90 %: what the noise does to the answer, taken from blocks of windows together,
+for neighbours err alike, and what the model leaves out. Of the force that is a share which is
+alike at alike speeds, so it does not average out where a speed is passed again: its covariance
+whitens what is left over. How the rubber's loss goes with frequency, what a bracket's own mode
+raises and what a logger's filters delay moves with the rest, and is not told. Other places that
+fit as well are in the interval.
 Source: derived from first principles; Ljung, System Identification (1999), ch. 7;
-Cameron & Miller, A practitioner's guide to cluster-robust inference, J. Hum. Resour. 50 (2015).
+Cameron & Miller, A practitioner's guide to cluster-robust inference, J. Hum. Resour. 50 (2015);
+Kennedy & O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63 (2001).
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -94,7 +99,8 @@ LAW = 0.7
 of an ideal one, 1 of a damper."""
 
 SEATS, SEAT = ("seat sideways", "seat up"), (1 / 60) ** 2
-"""What a bracket's own mode raises its force by, 1 over the square of its Hz, assumed."""
+"""By what times frequency squared a bracket's own mode, far above, raises what is felt each way:
+one standard deviation, s², assumed; that of a mode at 60 Hz."""
 
 NARROWED = 0.5
 """A parameter is told where its interval is narrower than this share of what was assumed."""
@@ -627,7 +633,8 @@ class _Fit:
                 fit = (np.conj(one[:, here] * heavy) * cuts[:, 0, here] * w[:, 0, here]).sum()
                 signs[b] = 1.0 if fit.real >= 0 else -1.0
         once = mark * signs[self.scene.block] * heavy
-        return np.stack([once, mark**2, mark**4]), heavy, marks[self.scene.block]
+        turn = np.asarray(np.stack([once, mark**2, mark**4]), dtype=complex)
+        return turn, heavy, marks[self.scene.block]
 
     def off(self, computed: ComplexArray) -> ComplexArray:
         """Measured less computed (gauges, K, W), in standard deviations; nought where unknown."""
