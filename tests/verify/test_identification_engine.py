@@ -107,7 +107,7 @@ def test_supports_are_found_as_soft_as_rubber_and_bracket_together():
             p = numbers[name, nth]
             assert p.low <= r * b / (r + b) <= p.high, (name, nth, p)
     # That of the bearing whose force the gauges feel is told closely.
-    assert numbers["vertical", 2].high < 1.06 * numbers["vertical", 2].low
+    assert numbers["vertical", 2].high < 1.07 * numbers["vertical", 2].low
     assert numbers["vertical", 2].otherwise
 
 
