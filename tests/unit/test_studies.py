@@ -7,12 +7,12 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor
 from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from itertools import pairwise
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children
 from pathlib import Path
 
 import numpy as np
@@ -611,7 +611,7 @@ def test_threads_and_processes_come_to_the_same_bits():
     variants = variants_of(VARY, TOLERANCES, ask=replace(ASK, rows=None))
     alone = study(application(), variants, count=300, shard=60)
     same(alone, study(application(), variants, count=300, shard=60, workers=3))
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+    with shards.workers_of("processes", 2) as pool:
         same(alone, study(application(), variants, count=300, shard=60, executor=pool, workers=2))
 
 
