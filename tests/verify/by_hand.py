@@ -147,6 +147,7 @@ class Line:
     axles_behind: float  # axles this line turns
     load_share: float = 1.0  # of the group's driven load that is on its wheels
     torque_share: float = 1.0  # of the gearbox output's torque
+    push: float = 1.0  # part of what all driven wheels push that its own do
     speed_ratio: float = 1.0
     drives: str = "rear"
     output: tuple | None = None  # (x, z) of joint 1 from the wheel centre it rides on
@@ -321,6 +322,7 @@ THROUGH = Line(
     axles_behind=1,
     load_share=0.5,
     torque_share=0.5 * 0.8,
+    push=0.5,
     speed_ratio=1.25,
     output=(12.5 * inch, 0.095),
     pinion_bearings=(0.170, 5.2 * inch),
@@ -465,6 +467,7 @@ REAR = Line(
     pinion=(-0.470, -0.035),
     axles_behind=1,
     torque_share=0.62 * 1.1,
+    push=0.62,
     speed_ratio=0.91,
     gearbox_bearings=(6.2 * inch, 3.3 * inch),
     pinion_bearings=(0.155, 0.121),
@@ -490,6 +493,7 @@ FORWARD = Line(
     pinion=(-0.260, 0.060),
     axles_behind=1,
     torque_share=0.38 * 1.06,
+    push=0.38,
     speed_ratio=0.95,
     drives="front",
     springs="front",
@@ -680,6 +684,14 @@ def loads_on(truck, line, state):
     still = group(*load_at_rest(truck, load))
     drive = group(*load_at_slip(truck, load, truck.friction, *shares))
     coast = group(*load_at_slip(truck, load, -truck.friction, *shares))
+    # Where others unload this group, they push as little as the line's share leaves them.
+    most, alone = {"drive": drive, "coast": coast}, line.load_share / line.push
+    if line.drives == "front":
+        lone = load_at_slip(truck, load, truck.friction, alone * truck.driven_front, 0.0)
+        most["drive"] = max(drive, group(*lone))
+    if line.drives == "rear":
+        lone = load_at_slip(truck, load, -truck.friction, 0.0, alone * truck.driven_rear)
+        most["coast"] = max(coast, group(*lone))
     on_air = sum(a for a, _ in load.auxiliary)
     height = load.height / truck.wheelbase
     pulls, drags = (
@@ -703,10 +715,15 @@ def loads_on(truck, line, state):
     return {
         "axle": still / axles,
         "rest": line.load_share * still,
-        "drive": line.load_share * drive,
-        "coast": line.load_share * coast,
+        "drive": line.load_share * most["drive"],
+        "coast": line.load_share * most["coast"],
         "brake": brake / axles,
-        "onto": {"drive": onto * pulls, "coast": onto * drags, "brake": onto * all_brake},
+        "onto": {
+            "newton": onto,
+            "all wheels": sorted([onto * pulls, onto * drags]),
+            "brake": onto * all_brake,
+            "slope": (group(*load_at_rest(truck, load, truck.grade)) - still) / axles,
+        },
     }
 
 
@@ -811,16 +828,19 @@ def axle_motion(truck, line, state, load, torque):
     if state.kind == "windup":
         # The wheels push the ground back; the housing turns a nose that faces ahead up.
         housing = torque["torque"] * through_axle * line.axle_efficiency
-        moved = load["onto"]["drive"] * torque["torque"] / torque["slip"]
+        push = housing * line.axles_behind / truck.static_radius / line.push
+        least, most = load["onto"]["all wheels"]
+        moved = min(max(load["onto"]["newton"] * push, least), most)
     if state.kind == "windup brake":
         held = springs.brake - torque["torque"] * through_axle / line.axle_efficiency
         grip = truck.friction * truck.static_radius * load["brake"]
         housing = -(min(held, grip) if springs.brake else grip)
         moved = load["onto"]["brake"] * -housing / grip
-    if housing and isnan(state.pitch):
+    if housing:
+        moved += load["onto"]["slope"]
         rise += squat(springs, line.ahead, rise, load["axle"], moved, housing, truck.static_radius)
     rearward, pitch = led(springs, rise)
-    pitch += line.ahead * housing / springs.windup if housing else 0.0
+    pitch += line.ahead * housing / springs.windup if housing and isnan(state.pitch) else 0.0
     if not isnan(state.pitch):
         pitch = state.pitch
     return rise, rearward, pitch

@@ -101,7 +101,7 @@ class Standing:
         )
         travel = np.asarray(self.ride.shift)[..., 2]
         if self.squats.any():
-            travel = self._squatting(torque, on_axle, coasts=coasts, brakes=brakes)
+            travel = self._squatting(on_axle, brakes=brakes)
         return self.at(on_axle, travel)
 
     def at(self, on_axle: FloatArray, travel: FloatArray) -> Ride:
@@ -114,41 +114,34 @@ class Standing:
             ride = replace(
                 ride,
                 shift=np.where(self.squats[..., None], moved, ride.shift),
-                pitch=np.where(self.squats, pitch, ride.pitch),
+                pitch=np.where(self.squats & self.yields, pitch, ride.pitch),
             )
         wound = np.asarray(ride.pitch) + self.line.ahead * np.asarray(_pitch(self.line, on_axle))
         stays = ~self.yields | np.isnan(wound)
         return replace(ride, pitch=np.where(stays, ride.pitch, wound))
 
-    def _squatting(
-        self, torque: FloatArray, on_axle: FloatArray, *, coasts: ArrayLike, brakes: ArrayLike
-    ) -> FloatArray:
+    def _squatting(self, on_axle: FloatArray, *, brakes: ArrayLike) -> FloatArray:
         """Return how high the axle is (..., S) m as springs hold what the tyres pull."""
         line, loads = self.line, self.loads
         assert line.suspension is not None
         assert line.tyre is not None  # or it squats nowhere
+        pulls = on_axle / line.tyre.static_radius
+        driven = np.clip(
+            loads.lever * pulls * _axles_behind(line) / line.push_share,
+            np.minimum(loads.drawn, loads.drawn_back),
+            np.maximum(loads.drawn, loads.drawn_back),
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.select(
-                [np.broadcast_to(brakes, torque.shape), np.broadcast_to(coasts, torque.shape)],
-                [
-                    -on_axle / (line.tyre.friction * line.tyre.static_radius * loads.braked)
-                    * loads.drawn_braked,
-                    -torque / self.slip_back * loads.drawn_back,
-                ],
-                np.where(
-                    torque < 0,
-                    -torque / self.slip_reverse * loads.drawn_back,
-                    torque / self.slip * loads.drawn,
-                ),
-            )  # fmt: skip
-        known = self.squats & np.isfinite(share) & np.isfinite(on_axle)
+            braked = -pulls / (line.tyre.friction * loads.braked) * loads.drawn_braked
+        moved = np.where(brakes, braked, driven) + loads.slope
+        known = self.squats & np.isfinite(moved)
         pulled = np.where(known, on_axle, 0.0)
         rest = np.asarray(self.ride.shift)[..., 2]
         risen = squat(
             line.suspension,
             rest,
             axle_load=np.where(self.squats, loads.axle, line.suspension.unsprung_mass * g),
-            drawn=np.where(known, share, 0.0),
+            drawn=np.where(known, moved, 0.0),
             force=pulled / line.tyre.static_radius,
             torque=pulled,
             ahead=line.ahead,
@@ -501,6 +494,7 @@ def _line_loads(line: ResolvedLine, loading: Loading) -> LineLoads:
             loading.load,
             drives=line.installed.drives,
             load_share=line.installed.load_share,
+            push_share=line.push_share,
             friction=line.tyre.friction if line.tyre else 0.0,
             times=loading.times,
         )
@@ -685,7 +679,7 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
     x, z = line.axle.pinion_joint if line.axle else (0.0, 0.0)
     slip, slip_back, slip_reverse = _slips(line, loads)
     held = np.array([
-        s.kind is not None and s.kind not in AT_LIMIT and s.travel is None for s in states
+        s.kind is not None and s.kind not in AT_LIMIT for s in states
     ])  # fmt: skip
     moves = line.tyre is not None and line.suspension is not None and line.suspension.squats
     return Standing(
@@ -698,7 +692,7 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
             lead=_by_state(2 * a for a in _rocked(line)),
         ),
         yields=yields,
-        squats=yields & held & moves,
+        squats=free & held & moves,
         slip=slip,
         slip_back=slip_back,
         slip_reverse=slip_reverse,
@@ -714,13 +708,13 @@ def _own_windup(standing: Standing, torque: FloatArray) -> Ride:
         If one of these does not say enough to know it.
     """
     line = standing.line
-    driven, braking = (line.winds(k) & standing.yields for k in ("windup", "windup brake"))
-    winds = driven | braking
+    driven, braking = (line.winds(k) for k in ("windup", "windup brake"))
+    winds = (driven | braking) & (standing.yields | standing.squats)
     if not winds.any():
         return standing.ride
     on_axle = _on_axle(line, torque, braked=standing.loads.braked, brakes=~driven)
     pitch = _pitch(line, on_axle)
-    for k in np.flatnonzero(driven | braking):
+    for k in np.flatnonzero(winds & standing.yields):
         if np.isnan(pitch[..., k]).any():
             msg = (
                 f"state {line.states[k].name} of line {line.line.name} needs a windup_stiffness, "
@@ -748,19 +742,22 @@ def _on_axle(
     The line's torque splits between the axles it drives. Brakes and coasting together hold
     no more than the tyres do.
     """
-    suspension, axle, tyre, vehicle = line.suspension, line.axle, line.tyre, line.vehicle
-    behind = 1.0
-    if vehicle:
-        # How many axles stand behind the line; how they share their load is no matter of it.
-        axles = driven_axles(vehicle, drives=line.installed.drives)
-        behind = np.maximum(np.round(line.installed.load_share * axles), 1.0)
-    ratio, efficiency = (axle.ratio / behind, axle.efficiency) if axle else (np.nan, 1.0)
+    suspension, axle, tyre = line.suspension, line.axle, line.tyre
+    ratio, efficiency = (axle.ratio / _axles_behind(line), axle.efficiency) if axle else (np.nan, 1)
     turned = torque * ratio / efficiency  # by the wheels, which turn the line
     by_brakes = np.asarray(suspension.brake_torque if suspension else 0.0)
     held = np.where(by_brakes > 0, by_brakes + np.nan_to_num(-turned), np.nan)
     grip = tyre.friction * tyre.static_radius * braked if tyre else np.nan
     driven = np.where(coasts, turned, torque * ratio * efficiency)
     return np.where(brakes, -np.fmin(held, grip), driven)
+
+
+def _axles_behind(line: ResolvedLine) -> FloatArray:
+    """How many axles stand behind a line; how they share their load is no matter of it."""
+    if line.vehicle is None:
+        return np.ones(())
+    axles = driven_axles(line.vehicle, drives=line.installed.drives)
+    return np.maximum(np.round(line.installed.load_share * axles), 1.0)
 
 
 def _pitch(line: ResolvedLine, on_axle: FloatArray) -> FloatArray:

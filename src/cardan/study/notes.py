@@ -8,7 +8,7 @@ from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.said import Said, said
 from cardan.base.units import mm
 from cardan.base.verdict import EQUAL, GRADES
-from cardan.demand.suspension import spring_load, table_rates
+from cardan.demand.suspension import AT_LIMIT, spring_load, table_rates
 from cardan.loads.rubber import LOSS
 from cardan.model.application import Application
 from cardan.model.vehicle import Spring
@@ -43,6 +43,7 @@ def noted(application: Application, responses: Sequence[Response]) -> Iterator[S
     yield from _set_down(responses)
     yield from _lifted_axles(responses)
     yield from _not_driven(responses)
+    yield from _not_squatting(responses)
 
 
 def _figures(value: float) -> str:
@@ -246,3 +247,23 @@ def _not_driven(responses: Iterable[Response]) -> Iterator[Said]:
         )
     if any(d.standing.line.reverse is None for d in of):
         yield said("backing is not asked: reverse_ratio of the gearbox would say its torque")
+
+
+def _not_squatting(responses: Iterable[Response]) -> Iterator[Said]:
+    """Yield, line by line, where nobody knows how far the tyres' pull moves an axle."""
+    for r in responses:
+        of = r.demand.standing
+        line, suspension = of.line, of.line.suspension
+        if suspension is None or not suspension.squats or np.isnan(r.demand.torque).all():
+            continue
+        at_rest = np.array([s.kind is not None and s.kind not in AT_LIMIT for s in line.states])
+        lever = np.broadcast_to(np.isfinite(of.loads.lever), at_rest.shape)
+        unknown = line.free & at_rest & ~(of.squats & lever)
+        if unknown.any():
+            yield said(
+                "the axle of line {line} is not moved on its springs by what its tyres pull in "
+                "{states}: {missing} would say how far",
+                line=r.line.name,
+                states=_where(r, unknown),
+                missing="tyre" if line.tyre is None else "cg_height_mm",
+            )
