@@ -14,7 +14,7 @@ from scipy.optimize import minimize_scalar
 from cardan import files
 from cardan.base.units import deg, g, mm
 from cardan.demand.states import demand, demand_under, resolve
-from cardan.demand.suspension import axle_path, spring_load
+from cardan.demand.suspension import axle_path, spring_load, squat
 from cardan.model.application import State
 from cardan.quantity.response import respond
 from cardan.study.notes import noted
@@ -99,6 +99,24 @@ def test_a_state_placed_or_pitched_by_hand_squats_as_what_it_repeats():
     assert found.travel[0, [there, pitched]] == pytest.approx(found.travel[0, k], rel=1e-12)
     assert found.pitch[0, there] == pytest.approx(found.pitch[0, k], rel=1e-12)
     assert found.pitch[0, pitched] == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("kind", ["jounce", "full rebound"])
+def test_one_placed_by_hand_stops_where_its_stops_are(kind):
+    """Two millimetres from the bump stop, and from the strap."""
+    of = asked()
+    stop, up = of.travel[of.states.index(kind)], 1 if kind == "jounce" else -1
+    placed = State(name="t", kind="gvw", travel=float(stop - up * 2 * mm))
+    of = asked(replace(TRUCK, states=(*TRUCK.states, placed)))
+    found = demand_under(of, torque=np.full((1, len(of.states)), up * 5410.25), speed=0.0)
+    assert found.travel[0, -1] == pytest.approx(stop, abs=1e-12)
+
+
+def test_without_a_strap_it_hangs_on_its_springs():
+    """A heavy axle pulls them further than the inch below free of the state `rebound`."""
+    heavy = replace(TRUCK.suspension, full_rebound_deflection=None, unsprung_mass=2000.0)
+    found = squat(heavy, -0.19, axle_load=REAR, drawn=-2 * REAR, force=0, torque=0, stands=-0.01)
+    assert float(found) == pytest.approx(0.01 - 2000 * g / 2 / 165e3, abs=1e-12)
 
 
 def test_on_a_grade_springs_carry_what_is_left_of_the_weight():

@@ -719,7 +719,7 @@ def loads_on(truck, line, state):
         "coast": line.load_share * most["coast"],
         "brake": brake / axles,
         "onto": {
-            "newton": onto,
+            "newton": onto / state.times,
             "all wheels": sorted([onto * pulls, onto * drags]),
             "brake": onto * all_brake,
             "slope": (group(*load_at_rest(truck, load, truck.grade)) - still) / axles,
@@ -811,8 +811,11 @@ def suspension_frequency(springs, axle_load):
     return sqrt(rate / (load / g)) / (2 * pi)
 
 
-def axle_motion(truck, line, state, load, torque):
-    """Rise, rearward motion (m) and pitch (rad, pinion nose up) from the reference state."""
+def axle_motion(truck, line, state, load, torque, *, driven=0.0):
+    """Rise, rearward motion (m) and pitch (rad, pinion nose up) from the reference state.
+
+    States of wind-up are moved by their torque, others by what drives them, if anything does.
+    """
     springs = truck.springs[line.springs]
     if state.kind:
         at_reference = nan
@@ -826,8 +829,10 @@ def axle_motion(truck, line, state, load, torque):
     through_axle = line.axle_ratio / line.axles_behind
     housing = 0.0
     if state.kind == "windup":
+        driven = torque["torque"]
+    if driven and state.kind != "windup brake":
         # The wheels push the ground back; the housing turns a nose that faces ahead up.
-        housing = torque["torque"] * through_axle * line.axle_efficiency
+        housing = driven * through_axle * line.axle_efficiency
         push = housing * line.axles_behind / truck.static_radius / line.push
         least, most = load["onto"]["all wheels"]
         moved = min(max(load["onto"]["newton"] * push, least), most)
@@ -836,7 +841,7 @@ def axle_motion(truck, line, state, load, torque):
         grip = truck.friction * truck.static_radius * load["brake"]
         housing = -(min(held, grip) if springs.brake else grip)
         moved = load["onto"]["brake"] * -housing / grip
-    if housing:
+    if housing and state.kind:  # its springs hold it
         moved += load["onto"]["slope"]
         rise += squat(springs, line.ahead, rise, load["axle"], moved, housing, truck.static_radius)
     rearward, pitch = led(springs, rise)
@@ -1395,10 +1400,10 @@ def fatigue(joint, highest, lowest):
     return swing / joint.reversing + mean * (2 / joint.pulsating - 1 / joint.reversing)
 
 
-def life(truck, line, joint, angle):
+def life(truck, line, joint, angles):
     """Hours of a joint over the duty cycle: L = 1.5e6/(n beta K1) (Td/T)^(10/3)."""
     damage = 0.0
-    for share, torque, turning, own in truck.duty:
+    for (share, torque, turning, own), angle in zip(truck.duty, angles, strict=True):
         beta = max(3.0, (angle if isnan(own) else own) / deg)
         n = turning * line.speed_ratio / rpm
         T = torque * line.torque_share
@@ -1449,6 +1454,16 @@ def one_state(truck, line, state, whirl):
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     travel = lengths[-1] - line.shafts[-1].length
     beta = [angle_between(d[k], d[k + 1]) for k in range(n)]
+    # As the torque of each point of the duty cycle has the axle: of a state driven in for long.
+    worn = [beta] * len(truck.duty)
+    if state.kind not in RARE and line.name not in state.slopes and line.drives != "all":
+        motions = (
+            axle_motion(truck, line, state, load, torque, driven=T * line.torque_share)
+            for _, T, _, _ in truck.duty
+        )
+        turns = [ridden(line, motion)[1] for motion in motions]
+        worn = [[angle_between(d[k], d[k + 1]) for k in range(n)] for d in turns]
+    worn = list(zip(*worn, strict=True))
     side, top = view_angles(d)
     place = [atan2(v, h) % (2 * pi) for v, h in zip(side, top, strict=True)]
     inertias = [s.polar_inertia for s in line.shafts]
@@ -1505,7 +1520,7 @@ def one_state(truck, line, state, whirl):
         say("joint_torque_utilisation", part, sized[k] / joint.peak)
         say("joint_fatigue_utilisation", part, fatigue(joint, max(T, 0), -torque["coast"]))
         if state.kind not in RARE:
-            say("joint_life", part, 3600 * life(truck, line, joint, beta[k]))
+            say("joint_life", part, 3600 * life(truck, line, joint, worn[k]))
         say("n_beta", part, w * beta[k])
         say("joint_speed", part, w)
         say("joint_position", part, place[k])
@@ -1599,7 +1614,7 @@ def one_state(truck, line, state, whirl):
                 "side_deg": side[k] / deg,
                 "top_deg": top[k] / deg,
                 "force_N": crest(joint_forces[k]),
-                "life_h": nan if state.kind in RARE else life(truck, line, line.joints[k], beta[k]),
+                "life_h": nan if state.kind in RARE else life(truck, line, line.joints[k], worn[k]),
             }
             for k in range(n)
         ],

@@ -71,6 +71,8 @@ class Standing:
         What it feels of the vehicle's weight.
     ride : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
         Where the springs have the axle.
+    stands : (..., S) m
+        Deflection of its springs where somebody holds it; nan where its load has it.
     yields : (S,)
         Where torque winds it up: the suspension places it, and nobody gives its pitch.
     squats : (S,)
@@ -83,6 +85,7 @@ class Standing:
     line: ResolvedLine
     loads: LineLoads
     ride: Ride
+    stands: FloatArray
     yields: BoolArray
     squats: BoolArray
     slip: FloatArray
@@ -145,6 +148,7 @@ class Standing:
             force=pulled / line.tyre.static_radius,
             torque=pulled,
             ahead=line.ahead,
+            stands=self.stands,
         )
         return rest + np.where(known, risen, 0.0)
 
@@ -259,10 +263,11 @@ def demand(line: ResolvedLine) -> Demand:
     sections 2.3 and 2.4; the loads where travel ends are derived.
     """
     each = _each_loading(line)
-    travel = _travel(line, {key: found.axle for key, found in each.items()})
+    axle_loads = {key: found.axle for key, found in each.items()}
+    travel = _travel(line, axle_loads)
     loads = _at_limits(line, _of_states(each[loading.key] for loading in line.loadings))
     torques = _torques(line, loads)
-    standing = _standing(line, travel, loads)
+    standing = _standing(line, travel, loads, stands=_stands(line, axle_loads))
     ride = _own_windup(standing, torques["torque"])
     given, installed = _given(line), line.installed
     asked = torques | {
@@ -661,6 +666,16 @@ def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray])
     return _by_state(risen) + _by_state(rocked)
 
 
+def _stands(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray]) -> FloatArray:
+    """Deflection of the axle's springs where states give its travel, (..., S) m; else nan."""
+    suspension, load = line.suspension, axle_loads[line.reference_loading.key]
+    given = _by_state(s.travel for s in line.states)
+    known = ~np.isnan(load).any() or (suspension and suspension.reference in AT_LIMIT)
+    if suspension is None or not known or np.isnan(given).all():
+        return np.full_like(given, np.nan)
+    return given + deflection(suspension, suspension.reference, axle_load=load)
+
+
 def _rocked(line: ResolvedLine) -> Iterator[Metre]:
     """Yield how far a tandem's first axle rises over the mean of both, state by state."""
     first = line.ahead if line.installed.drives == "rear" else 1.0
@@ -668,7 +683,9 @@ def _rocked(line: ResolvedLine) -> Iterator[Metre]:
         yield first * state.articulation if free else 0.0
 
 
-def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Standing:
+def _standing(
+    line: ResolvedLine, travel: FloatArray, loads: LineLoads, *, stands: FloatArray
+) -> Standing:
     """Return the line with its axle where springs and linkage have it, (..., S)."""
     free, states = line.free, line.states
     own = f"drivelines.{line.line.name}." if line.installed.suspension else ""
@@ -691,6 +708,7 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
             arm=stacked((x, 0.0, z)),
             lead=_by_state(2 * a for a in _rocked(line)),
         ),
+        stands=stands,
         yields=yields,
         squats=free & held & moves,
         slip=slip,
