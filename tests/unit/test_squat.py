@@ -16,6 +16,7 @@ from cardan.base.units import deg, g, mm
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.demand.suspension import axle_path, spring_load, squat
 from cardan.model.application import State
+from cardan.quantity.points import Driven, driven, run
 from cardan.quantity.response import respond
 from cardan.study.notes import noted
 
@@ -199,3 +200,29 @@ def test_a_states_force_depends_on_no_other_state():
     k = among.demand.states.index("windup")
     force = among.bearing_force("peak")[k], by_itself.bearing_force("peak")[0]
     assert force[0] == pytest.approx(force[1], rel=1e-6)
+
+
+def test_shafts_are_balanced_for_the_speed_of_their_own_line():
+    """Half of what turns at the gearbox, behind a transfer case that halves it."""
+    (installed,) = TRUCK.lines
+    slow = replace(TRUCK, speed=400.0, lines=(replace(installed, speed_ratio=0.5),))
+    assert respond(slow, asked(slow)).balanced_at == pytest.approx(200.0)
+
+
+def test_a_drive_carries_what_each_instants_torque_makes_of_the_axle():
+    """Torque that comes and stays: what an operating point there carries, the axle squatting."""
+    r = respond(TRUCK, asked())
+    k, torque, speed = r.demand.states.index("gvw"), 5410.25, 15.0
+    there = demand_under(r.demand, torque=np.full((1, len(r.demand.states)), torque), speed=speed)
+    point = run(r, there, r.lay(there), inertia=False).peak[0, k]
+    time = np.linspace(0, 0.1, 50)
+    comes = torque * np.minimum(time / 0.08, 1)
+    drive = Driven(time=time, turned=speed * time, torque=comes, speed=0 * time + speed)
+    steady, _ = driven(r, drive, state=k)
+    np.testing.assert_allclose(steady[-1], point, rtol=0.01)
+    same = Driven(time=time, turned=speed * time, torque=comes[-1:] + 0 * time, speed=drive.speed)
+    steady, _ = driven(r, same, state=k)
+    np.testing.assert_allclose(steady[-1], point, rtol=0.01)
+    small = Driven(time=time, turned=speed * time, torque=0 * time + 1, speed=0 * time + speed)
+    weight, _ = driven(r, small, state=k)  # and no thrust of another torque
+    assert weight[-1] < 0.2 * point

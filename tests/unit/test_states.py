@@ -11,7 +11,7 @@ from cardan.base.units import deg, g, inch, kNm, lbft, mm, rpm
 from cardan.base.verdict import Limit
 from cardan.demand.states import demand, moved, resolve
 from cardan.demand.suspension import spring_deflection
-from cardan.model.application import Application, Installed, State
+from cardan.model.application import Application, DutyPoint, Installed, State
 from cardan.model.layout import from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft
 from cardan.model.turning import InterAxle
@@ -26,6 +26,7 @@ from cardan.model.vehicle import (
     Tyre,
     Vehicle,
 )
+from cardan.quantity.response import respond
 
 KINDS = (
     "full rebound", "rebound", "curb", "empty", "gvw", "overload", "jounce",
@@ -356,6 +357,8 @@ def test_a_locked_differential_may_leave_all_to_the_axle_behind():
     )  # the main line has all as it is
     for line in (half, whole):
         assert line.standing.line.usual_share == 0.5
+        duty = replace(locked, duty=(DutyPoint(share=1.0, torque=1000.0, speed=100.0),))
+        assert respond(duty, line).duty[0].torque == 500.0  # its life is not on ice
     open_ = replace(application, inter_axle=InterAxle(locked=False))
     np.testing.assert_array_equal(asked(open_, between).torque, half.torque)
 
