@@ -174,6 +174,7 @@ def made_up_bracket() -> Iterator[None]:
         hot=spots,
         used=spots / (300 * MPa),
         error=0 * spots,
+        least=spots,
         used_within=np.stack([spots, spots], axis=-1) / (300 * MPa),
     )
     duty = Endured(

@@ -19,7 +19,7 @@ from cardan.bracket.afar import too_high, too_stiff
 from cardan.bracket.apart import Crashed, Stopped, apart
 from cardan.bracket.elastic import IntArray, Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, Model, affordable, triangles
-from cardan.bracket.gauges import influence
+from cardan.bracket.gauges import influence, misplaced
 from cardan.bracket.joint import PATCH, Joint, condensed, forces_of
 from cardan.bracket.refine import (
     LEVELS,
@@ -121,8 +121,8 @@ class Held:
         The same of the stiffness against each force.
     influence : (gauges, 9)
         Strain of each gauge.
-    unsure : (3,) 1/N
-        Strain by which any gauge may read a unit force wrong; of the clamped flange nobody asks it.
+    unsure : (gauges, 3) 1/N
+        Strain by which each gauge may read a unit force wrong, where forces are read from them.
     swing : Swing
         What comes on top where it is shaken.
     """
@@ -323,7 +323,14 @@ def solve(task: Task, tell: Progress) -> Solved:
         read.append(sliding.influence)
     before, last = (of[:, :3] for of in read[-2:])
     changed = np.abs(last - before).max(axis=0, initial=0.0)
-    sliding = replace(sliding, influence=read[-1], unsure=changed)
+    if task.reads:
+        # How it is held is felt far from it, where any elements tell what it changes.
+        other = read[-1] + clamped.influence - sliding.influence
+        glued = misplaced(_units(body, done.last, size), task.gauges)[:, :3]
+        unsure = np.hypot(changed, glued)
+        clamped = replace(clamped, influence=other, unsure=unsure)
+        sliding = replace(sliding, unsure=unsure)
+    sliding = replace(sliding, influence=read[-1])
     return Solved(
         nodes=done.last.elastic.nodes,
         thickness=body.thickness,
@@ -403,7 +410,7 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
             found.elastic, found.displacements[:3], units.compliance.diagonal()[:3]
         ),
         influence=read[:, : len(UNITS)],
-        unsure=np.zeros(3),
+        unsure=np.zeros((len(task.gauges), 3)),
         swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :], loss=task.loss),
     )  # fmt: skip
 

@@ -231,8 +231,7 @@ def reach(passes: FloatArray, worth: FloatArray | float = 1.0) -> Reach:
     farther than the farther of the two moments at its ends, and no moment ends two.
     """
     waves = np.fft.rfft(passes, axis=1) * 2 / passes.shape[1]
-    size = (np.abs(waves) * worth).max(axis=(0, 2))[1:]
-    orders = np.flatnonzero(size > _NOTHING * size.max(initial=0.0)) + 1
+    orders = _orders(passes, worth)
     middles, cycles = passes.mean(axis=1), np.zeros(LEVELS)
     cycles[-1] = orders.max(initial=1)
     if len(orders) <= _ORDERS:
@@ -285,14 +284,31 @@ def _held(
     return mean + middle @ back, (axes.T @ back).T, far / far.max()
 
 
-def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
+def _largest(
+    stress: FloatArray, passes: Sequence[Pass], harm: Harm
+) -> tuple[FloatArray, FloatArray]:
+    """Return damage (m, planes) of the largest cycle alone, and of as many as there may be.
+
+    Of a pass no longer than a turn no plane suffers more than that: of cycles with one top the
+    larger fares worse, of two as large the one about the higher mean.
+    """
     worth = np.sqrt(np.mean(stress**2, axis=(0, 1)))
-    rough = np.zeros(stress.shape[:2])
+    once, often = np.zeros((2, *stress.shape[:2]))
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[:, None]
-        mean, amplitude = swings(stress, farthest(np.concatenate(one.loads), worth))
-        rough += one.times * harm(more * amplitude, more * mean, np.arange(len(stress)))
-    return rough
+        loads = np.concatenate(one.loads)
+        brief = one.loads.shape[1] <= _TURN
+        mean, amplitude = swings(stress, loads if brief else farthest(loads, worth))
+        does = one.times * harm(more * amplitude, more * mean, np.arange(len(stress)))
+        once += does
+        often += does * _orders(one.loads, worth).max(initial=1) if brief else np.inf
+    return once, often
+
+
+def _orders(passes: FloatArray, worth: FloatArray | float) -> IntArray:
+    """Return which orders passes (p, t, c) have, (k,): a sum of them has no more cycles each."""
+    size = (np.abs(np.fft.rfft(passes, axis=1)) * worth).max(axis=(0, 2))[1:]
+    return np.flatnonzero(size > _NOTHING * size.max(initial=0.0)) + 1
 
 
 def _steady(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
@@ -364,34 +380,44 @@ def plane_damage(
     """
     directions = plane_directions(normals)
     stress = on_planes(unit, directions)
-    told = [rough := _largest(stress, passes, harm)]
+    rough, most = _largest(stress, passes, harm)
+    told = [rough]
     # One hard pull one way may hide the many that tire another.
     if any(p.loads.shape[1] > _TURN for p in passes):
         told.append(_steady(stress, passes, harm))
-    damage = np.max(told, axis=(0, 2))
-    best = rough.argmax(axis=1)
+    damage, best = np.max(told, axis=(0, 2)), rough.argmax(axis=1)
     # What breaks at once does endless damage, and no share of that is a number.
     least = closely * damage.max(initial=0.0) if closely else 0.0
     counts = np.flatnonzero(damage > least)
-    order = np.concatenate([np.argsort(-v[counts], axis=1)[:, :_BEST] for v in told], axis=1)
-    share = np.take_along_axis(stress[counts], order[..., None], axis=1)
-    exact = np.zeros(order.shape)
-    for one in passes:
-        more = np.broadcast_to(one.scale, len(stress))[counts, None, None]
-        many, t, _ = one.loads.shape
-        width, held = order.shape[1] * many * t, _CHUNK if t > _LONG else _NEAR
-        for rows in _chunks(len(counts), width, most=held):
-            signals = more[rows] * share[rows] @ np.concatenate(one.loads).T
-            amplitude, mean = (
-                v.reshape(len(signals), -1, many, v.shape[1])
-                for v in counted(signals.reshape(-1, t))
-            )
-            each = harm(amplitude, mean, counts[rows])
-            exact[rows] += one.times * each.sum(axis=-1).max(axis=-1)
-    damage[counts] = exact.max(axis=1, initial=0.0)
-    picked = exact.argmax(axis=1)
-    best[counts] = np.take_along_axis(order, picked[:, None], axis=1)[:, 0]
+    exact = np.full((len(counts), stress.shape[1]), -1.0)
+    asked = np.zeros(exact.shape, dtype=bool)
+    for one in told:
+        asked[np.arange(len(counts))[:, None], np.argsort(-one[counts], axis=1)[:, :_BEST]] = True
+    while asked.any():
+        row, plane = np.nonzero(asked)
+        exact[asked] = _counted(stress[counts[row], plane], counts[row], passes, harm)
+        # And all that may be worse: of a long history nobody knows which.
+        may = (most[counts] > exact.max(axis=1, initial=0.0)[:, None]) & np.isfinite(most[counts])
+        asked = may & (exact < 0)
+    damage[counts], best[counts] = exact.max(axis=1, initial=0.0), exact.argmax(axis=1)
     return damage, directions[np.arange(len(best)), best]
+
+
+def _counted(stress: FloatArray, at: IntArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
+    """Return the damage (k,) of stresses (k, c) on planes of places (k,), every cycle counted."""
+    found = np.zeros(len(stress))
+    for one in passes:
+        scale = np.asarray(one.scale)
+        scaled = stress * (scale[at, None] if scale.ndim else scale)
+        many, t, _ = one.loads.shape
+        for rows in _chunks(len(at), many * t, most=_CHUNK if t > _LONG else _NEAR):
+            signals = scaled[rows] @ np.concatenate(one.loads).T
+            amplitude, mean = (
+                v.reshape(len(signals), many, v.shape[1]) for v in counted(signals.reshape(-1, t))
+            )
+            each = harm(amplitude, mean, at[rows]).sum(axis=-1).max(axis=-1)
+            found[rows] += one.times * each
+    return found
 
 
 def _chunks(count: int, width: int, *, most: int = _NEAR) -> list[slice]:

@@ -18,6 +18,7 @@ from cardan.bracket.refine import UNSETTLED
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.loads.cycle import major_axis
+from cardan.model.bracket import BracketRecording
 from cardan.report.contract import CONTRACT, check, coverage, operating_point, plain
 from cardan.report.language import EN, Language
 from cardan.report.screen import WIDTH, folded, table
@@ -202,29 +203,36 @@ def remarks(of: BracketAnswer, v: Judged, say: Language = EN) -> Iterator[str]:
                 "{name}: {pick} is {faces}, {area} mm².",
                 name=say(v.name), pick=p.name, faces=faces, area=area,
             )  # fmt: skip
-    for name, found in _read_back(of, v):
+    for one, found in _read_back(of, v):
         x, y, z = (say.number(n) for n in found.noise)
+        means = (
+            "{name}: the forces of {recording} were read from gauges; a microstrain of noise is "
+            "{x} N along x, {y} along y and {z} along z, and how much of what they read no force "
+            "explains is not known here (condition {condition})."
+            if one.strain is None
+            else "{name}: the forces of {recording} are read from gauges; a microstrain of noise "
+            "is {x} N along x, {y} along y and {z} along z, and {left} microstrain of what they "
+            "read no force explains (condition {condition})."
+        )
         yield say(
-            "{name}: the forces of {recording} are read from gauges; a microstrain of noise is "
-            "{x} N along x, {y} along y and {z} along z, and {left} microstrain of what they read "
-            "no force explains (condition {condition}).",
-            name=say(v.name), recording=name, x=x, y=y, z=z, condition=say.number(found.condition),
-            left=say.number(1e6 * _size(found.residual)),
+            means, name=say(v.name), recording=one.name, x=x, y=y, z=z,
+            condition=say.number(found.condition), left=say.number(1e6 * _size(found.residual)),
         )  # fmt: skip
         x, y, z = (say.number(n) for n in found.off)
         yield say(
             "{name}: where they are largest, those forces may be off by {x} N along x, {y} along y "
-            "and {z} along z for the mesh alone.",
+            "and {z} along z: by the mesh, by where and how gauges are glued and 1 % of what they "
+            "read, or by what no force explains where that is more.",
             name=say(v.name), x=x, y=y, z=z,
         )  # fmt: skip
 
 
-def _read_back(of: BracketAnswer, v: Judged) -> Iterator[tuple[str, Recovered]]:
-    """Yield the recordings whose forces are read from gauges."""
+def _read_back(of: BracketAnswer, v: Judged) -> Iterator[tuple[BracketRecording, Recovered]]:
+    """Yield the recordings whose forces are read from gauges, the flange sliding."""
     known = {o.case.name: o.case.read for o in v.outcomes}
     for one in of.bracket.recordings:
         if (read := known.get(one.name)) is not None:
-            yield one.name, read
+            yield one, read["sliding"]
 
 
 def _size(residual: FloatArray) -> float:
@@ -251,6 +259,15 @@ def hours_of(v: Judged) -> FloatArray:
     rate = np.max([e.spots / e.duration for e in v.duty], axis=0)
     with np.errstate(divide="ignore"):
         return 1 / (rate * hour)
+
+
+def lies(say: Language) -> str:
+    """Return by what a life lies between the hours in brackets, and by what it may not."""
+    return say(
+        "Hours in brackets: by the error of stresses, by the flange held the kinder way, and by "
+        "what gauges read wrong where forces are read from them. Curve, rubber and other loads are "
+        "taken to be right."
+    )
 
 
 def hours_within(v: Judged) -> FloatArray:
@@ -466,7 +483,7 @@ def _lives(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[
         if of.bracket.material.ultimate_strength
         else say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress not counted.")
     )
-    yield from folded([f"  {means}"], width)
+    yield from folded([f"  {means} {lies(say)}"], width)
 
 
 def _small(value: float, say: Language) -> str:
@@ -585,13 +602,15 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
         ],
         "read_back": [
             {
-                "recording": name,
+                "recording": one.name,
                 "noise_N": found.noise.tolist(),
-                "mesh_error_N": found.off.tolist(),
+                "error_N": found.off.tolist(),
                 "condition": found.condition,
-                "unexplained_microstrain": 1e6 * _size(found.residual),
+                "unexplained_microstrain": (
+                    None if one.strain is None else 1e6 * _size(found.residual)
+                ),
             }
-            for name, found in _read_back(of, v)
+            for one, found in _read_back(of, v)
         ],
         "stiffness_too_high": v.solved.sliding.too_stiff.tolist(),
         "frequencies_Hz": v.frequencies.tolist(),

@@ -21,7 +21,7 @@ from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.gauges import recover
 from cardan.bracket.refine import LEVELS
-from cardan.bracket.solve import Held
+from cardan.bracket.solve import Solved
 from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.loads.cycle import Cycle
@@ -84,7 +84,7 @@ def study(
     variants = [bench.judged(bracket.shape, name="original", tell=tell)]
     if bracket.reinforced is not None:
         # What gauges read, they read on the bracket that is installed.
-        bench = replace(bench, installed=variants[0].solved.sliding)
+        bench = replace(bench, installed=variants[0].solved)
         variants.append(bench.judged(bracket.reinforced, name="reinforced", tell=tell))
     return BracketAnswer(
         title=application.title,
@@ -98,13 +98,13 @@ def study(
 class Bench:
     """An application's line, ready to be hung in one shape of its bracket after the other.
 
-    `installed` is the bracket whose gauges recordings were made with, known once it is judged.
+    `installed` is the bracket whose gauges recordings were made with, known once it is solved.
     """
 
     bracket: Bracket
     response: Response
     extra: tuple[Case, ...] = ()
-    installed: Held | None = None
+    installed: Solved | None = None
 
     @classmethod
     def of(cls, application: Application, *, extra: Sequence[Case] = ()) -> "Bench":
@@ -120,13 +120,13 @@ class Bench:
         speeds = self.response.demand.speed
         return float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
 
-    def mounted(self, held: Held) -> Mounted:
+    def mounted(self, solved: Solved) -> Mounted:
         """Return the loads of the line hung in a bracket that gives, and those measured on it."""
         bracket, on = self.bracket, self.response
-        read = self.installed or held
+        read = self.installed or solved
         hangs = on_rubber(on, bracket)
         if hangs:
-            on = hung(on, bracket, held.swing.seat)
+            on = hung(on, bracket, solved.sliding.swing.seat)
         return Mounted(
             cases=(*cases_of(bracket, on), *recorded(bracket, read), *self.extra),
             duty=duty_of(bracket, on),
@@ -175,10 +175,10 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
     if quantity == "bracket_stress_utilisation" and strength:
         for o in variant.outcomes:
             worst = int(np.argmax(o.hot))
-            used, off = o.hot / strength, o.error / strength
+            used, off, least = (v / strength for v in (o.hot, o.error, o.least))
             yield _Value(
                 o.case.when, variant.features[worst].part, float(used[worst]), o.case.point,
-                within=(max(float((used - off).max()), 0.0), float((used + off).max())),
+                within=(max(float((least - off).max()), 0.0), float((used + off).max())),
             )  # fmt: skip
     if quantity == "bracket_fatigue_utilisation":
         yield from _fatigue(variant)
@@ -335,23 +335,31 @@ def _elsewhere(bracket: Bracket, response: Response, s: int, found: Points) -> I
         yield replace(case, what="worst point", point=point, shakes=bool(response.seats))
 
 
-def recorded(bracket: Bracket, on: Held | None) -> Iterator[Case]:
+def recorded(bracket: Bracket, on: Solved | None) -> Iterator[Case]:
     """Yield a case of each recording; strains become forces by the gauges of a bracket solved.
 
-    Without that, of each recording of forces.
+    Each way its flange may be held makes its own of what gauges read. Who read forces back himself
+    did so by the sliding one, of which influence is told. Without a bracket solved, a case of each
+    recording of forces.
     """
     for one in bracket.recordings:
         force, read = one.force, None
-        if one.strain is not None:
-            if on is None:
-                continue
-            read = recover(on.influence[:, :3], one.strain, unsure=on.unsure)
-            force = read.loads
-        assert force is not None  # one of the two
+        if one.read and on is not None:
+            strain = one.strain
+            if strain is None:
+                assert force is not None  # one of the two
+                strain = force @ on.sliding.influence[:, :3].T
+            read = {
+                held.hold: recover(held.influence[:, :3], strain, unsure=held.unsure)
+                for held in on.both
+            }
+            force = read["sliding"].loads
+        if force is None:
+            continue
         # Forces are those on the bearing: the bracket swings on top of them. What gauges read
         # has its swing in it.
         yield Case(
-            one.name, loads_of(force), duration=len(force) / one.rate, shakes=read is None,
+            one.name, loads_of(force), duration=len(force) / one.rate, shakes=not one.read,
             read=read,
         )  # fmt: skip
 

@@ -40,8 +40,8 @@ from cardan.fatigue.critical import (
     swings,
 )
 from cardan.fatigue.rainflow import turns
-from cardan.model.bracket import ZONES, Bolts, Bracket, Shape, Zone
-from cardan.study.bracket_contact import Contact, InBolts
+from cardan.model.bracket import ZONES, Bolts, Bracket, Hold, Shape, Zone
+from cardan.study.bracket_contact import EASED, Contact, InBolts
 from cardan.study.bracket_forced import Forced, Swept, amplitude
 from cardan.study.bracket_life import Endured, Strength, gauge_damage, loads_of, mixed, strengths
 
@@ -86,8 +86,8 @@ class Case:
     """Swing of each feature in contact, (features,), over that told by the two ways held."""
     once: bool = False
     """Whether nobody knows how often it happens: it does no damage."""
-    read: Recovered | None = None
-    """How its forces were read from gauges; None where they were not."""
+    read: Mapping[Hold, Recovered] | None = None
+    """How its forces were read from gauges, by how the flange is held; None where they were not."""
     among: tuple["Case", ...] = ()
     """The same at each operating point: of these the worst is told."""
 
@@ -167,6 +167,8 @@ class Outcome:
         or at a clamp and depends on the mesh alone.
     hot, error : (features,) Pa
         Largest von Mises stress of each feature, and its estimated error.
+    least : (features,) Pa
+        The same stress where the flange is held the way that makes it less.
     mean, amplitude : (features,) Pa
         Of the normal stress at the place of each feature, and on the plane, that use most of its
         fatigue limit (where none is stated, that swing most), wherever `hot` is.
@@ -174,7 +176,8 @@ class Outcome:
         That swing at zero mean over the amplitude its zone bears at the knee; nan where none
         is stated, or of a load by itself.
     used_within : (features, 2)
-        The same where its stress is lower, and higher, by its error.
+        The same where its stress is lower, and higher, by its error, and the flange is held the way
+        that makes it less, and more.
     strain : (gauges, 2)
         Smallest and largest reading.
     bolts : (b,) N
@@ -203,6 +206,7 @@ class Outcome:
     on_edge: Found
     hot: FloatArray
     error: FloatArray
+    least: FloatArray
     mean: FloatArray
     amplitude: FloatArray
     used: FloatArray
@@ -331,9 +335,14 @@ class Judged:
 
     @property
     def life_within(self) -> tuple[float, float]:
-        """Between what hours that life lies, each stress off by its error; nan without one."""
+        """Between what hours that life lies, by errors and by the flange; nan without one."""
         low, high = np.min([e.hours_within for e in self.duty] or [(np.nan, np.nan)], axis=0)
         return float(low), float(high)
+
+    @property
+    def life_meshed(self) -> float:
+        """Hours that finer elements may make of that life at most, the flange held alike."""
+        return min((e.hours_meshed for e in self.duty), default=np.nan)
 
 
 # --------------------------------------------------------------------------- one way of holding
@@ -401,7 +410,9 @@ class _Way:
     def loads(self, case: Case) -> FloatArray:
         """Return the loads of a case (t, c), with what the bracket swings on top of them."""
         swings = self.held.swing.unit.shape[1]
-        found = np.pad(case.loads, ((0, 0), (0, swings)))
+        # Gauges that read the same say another force where the flange is held another way.
+        loads = case.loads if case.read is None else loads_of(case.read[self.held.hold].loads)
+        found = np.pad(loads, ((0, 0), (0, swings)))
         if not (case.shakes and np.isfinite(case.duration)):
             return found if case.places > 1 else self.telling(found)
         columns = [*range(3), *range(len(UNITS), len(UNITS) + swings)]
@@ -639,17 +650,35 @@ def _worn(
     return top, np.where(way.has, done[top], 0.0)
 
 
+def _ends(error: FloatArray, ease: float) -> FloatArray:
+    """Return shares (3, features) of stress: by its error less, and `ease` of that; less; more."""
+    off = np.minimum(error, 1.0)
+    return np.stack([(1 - off) * ease, 1 - off, 1 + off])
+
+
 def _span(
     way: _Way,
     at: IntArray,
     passes: Sequence[Pass],
     strength: Mapping[Zone, Strength],
     error: FloatArray,
+    ease: float,
 ) -> FloatArray:
-    """Return the damage (m, 2) at places where stress is lower, and higher, by its error (m,)."""
-    off = np.minimum(error, 1.0)
-    ends = np.concatenate([1 - off, 1 + off])
-    return _damage(way, np.tile(at, 2), passes, strength, ends).reshape(2, -1).T
+    """Return the damage (3, features) of the place of each feature at the `_ends` of its stress."""
+    ends = _ends(error, ease)
+    some = ends[1:] if ease == 1 else ends
+    found = _damage(way, np.tile(at, len(some)), passes, strength, some.ravel())
+    found = found.reshape(len(some), -1) * way.has
+    return found if len(found) == len(ends) else found[[0, 0, 1]]
+
+
+def _kinder(ways: Sequence[_Way], each: Sequence[FloatArray], *, tight: bool) -> FloatArray:
+    """Return what is told (features,) of the flange held the kinder way, of what either way has.
+
+    In contact, which is neither, what the harsher has: contact has been told beside that one.
+    """
+    had = np.where([way.has for way in ways], each, np.nan)
+    return np.asarray((np.fmax if tight else np.fmin).reduce(had)) if each else np.zeros(0)
 
 
 # --------------------------------------------------------------------------- judge
@@ -661,7 +690,7 @@ def judge(
     cases: Sequence[Case],
     *,
     duty: Duty | None = None,
-    mounted: Callable[[Held], Mounted] | None = None,
+    mounted: Callable[[Solved], Mounted] | None = None,
     name: str = "original",
     top_speed: RadianPerSecond = np.nan,
     levels: int = LEVELS,
@@ -692,7 +721,7 @@ def judge(
         cases=tuple(c.far for c in (*cases, *riding)), weights=_weights(strength),
         gauges=bracket.gauges, carried_mass=bracket.carried_mass, rubber=bracket.rubber,
         loss=bracket.loss, levels=levels, bolted=bracket.bolts is not None,
-        reads=any(one.strain is not None for one in bracket.recordings),
+        reads=any(one.read for one in bracket.recordings),
     )  # fmt: skip
     try:
         solved = solved_apart(task, tell=told)
@@ -702,7 +731,7 @@ def judge(
     swept: Swept | None = None
     if mounted is not None:
         told("the line on this bracket")
-        on = mounted(solved.sliding)
+        on = mounted(solved)
         cases, duty, swept = on.cases, on.duty, on.swept
     told(f"stresses of {len(cases)} load cases")
     ways, known = _ways(solved)
@@ -915,11 +944,11 @@ def _outcome(
     times = np.ones(count) if case.times is None else case.times
     if not np.isfinite(case.loads).all():
         loads_of(case.loads)  # which says what is wrong
-    hot, mean, amplitude, swung, off, doubt = np.zeros((6, count))
-    forces = case.loads[:, :3]
-    peak, swing = np.abs(forces).max(axis=0), np.ptp(forces, axis=0) / 2
-    spent = np.full(count, np.nan)
+    hot, mean, amplitude, swung, off = np.zeros((5, count))
+    least, spent = np.full((2, count), np.nan)
     span = np.full((count, 2), np.nan)
+    swung_ends, eased = list[FloatArray](), list[FloatArray]()
+    ease = 1.0 if case.times is None else EASED
     best: list[tuple[Found, Found, Found]] = []
     peaks: list[_Peak] = []
     for way in ways:
@@ -937,8 +966,10 @@ def _outcome(
         level *= way.has[:, None]
         top = places[np.arange(count), level.argmax(axis=1)]
         peaks.append(_Peak.of(way, top, level.max(axis=1)))
+        peak, swing = np.abs(loads[:, :3]).max(axis=0), np.ptp(loads[:, :3], axis=0) / 2
         off = np.where(level.max(axis=1) > hot, _misread(way, top, case.read, peak), off)
         hot = np.maximum(hot, level.max(axis=1))
+        least = np.fmin(least, np.where(way.has, level.max(axis=1), np.nan))
         passes = np.stack(np.split(loads, case.places))
         held = way.held_by(passes)
         share, m, a = _swing(way, passes, held, strength, times)
@@ -946,20 +977,18 @@ def _outcome(
         worse = share[most] * way.has > swung
         swung = np.where(worse, share[most], swung)
         mean, amplitude = np.where(worse, m[most], mean), np.where(worse, a[most], amplitude)
-        share = _misread(way, most, case.read, swing) / np.maximum(a[most], 1e-9)
-        doubt = np.where(worse, share, doubt)
+        doubt = _misread(way, most, case.read, swing) / np.maximum(a[most], 1e-9)
         if strength and case.repeats:
+            ends = times * _ends(error + doubt, ease)
+            swung_ends.append(np.stack([
+                _used(way.kinds, more * m[most], more * a[most], strength) for more in ends
+            ]))  # fmt: skip
             does = [Pass(passes, scale=times)]
             worn, done = _worn(way, does, [held], strength)
-            within = _span(way, worn, does, strength, error + share) * way.has[:, None]
-            span = np.fmax(span, within)
+            kind, low, high = _span(way, worn, does, strength, error + doubt, ease)
+            eased.append(kind)
+            span = np.fmax(span, np.stack([low, high], axis=-1))
             spent = np.fmax(spent, done)
-    swung_within = np.full((count, 2), np.nan)
-    if strength and case.repeats:
-        ends = [times * (1 + sign * np.minimum(error + doubt, 1.0)) for sign in (-1, 1)]
-        swung_within = np.stack([
-            _used(ways[0].kinds, more * mean, more * amplitude, strength) for more in ends
-        ], axis=-1)  # fmt: skip
     sliding = ways[0]
     loads = sliding.loads(case)
     strain = superpose(sliding.influence[..., None], loads)[..., 0]
@@ -971,6 +1000,7 @@ def _outcome(
         life = Endured(
             when=case.when, spots=spent, gauges=gauges,
             turns=case.turns, duration=case.duration, span=span,
+            eased=_kinder(ways, eased, tight=case.times is not None),
         )  # fmt: skip
     found = Outcome(
         case=case,
@@ -980,10 +1010,21 @@ def _outcome(
         on_edge=_on_edge(solved, case.loads),
         hot=hot,
         error=error * hot + off,
+        least=np.nan_to_num(least),
         mean=mean,
         amplitude=amplitude,
         used=swung if strength and case.repeats else np.full(count, np.nan),
-        used_within=swung_within,
+        used_within=np.full((count, 2), np.nan)
+        if life is None
+        else np.stack(
+            [
+                _kinder(ways, [low for low, *_ in swung_ends], tight=case.times is not None),
+                np.max(
+                    [way.has * high for way, (*_, high) in zip(ways, swung_ends, strict=True)], 0
+                ),
+            ],
+            axis=-1,
+        ),
         strain=np.stack([strain.min(axis=-1), strain.max(axis=-1)], axis=-1),
         bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
         motion=float(np.linalg.norm(motion, axis=-1).max()),
@@ -993,15 +1034,19 @@ def _outcome(
     return found, peaks
 
 
-def _misread(way: _Way, at: IntArray, read: Recovered | None, size: FloatArray) -> FloatArray:
+def _misread(
+    way: _Way, at: IntArray, read: Mapping[Hold, Recovered] | None, size: FloatArray
+) -> FloatArray:
     """Return the stress (m,) Pa at places that what gauges read wrong makes of forces (3,) N.
 
     Each gauge by chance; nothing where no forces are read from gauges.
     """
     if read is None:
         return np.zeros(len(at))
-    each = von_mises(superpose(way.unit[at, :3], read.inverse.T))
-    return np.linalg.norm(each, axis=1) * read.misread(size)
+    of = read[way.held.hold]
+    return np.linalg.norm(
+        von_mises(superpose(way.unit[at, :3], of.inverse.T)) * of.misread(size), axis=1
+    )
 
 
 def _pulls_off(nodes: Nodes, forces: FloatArray) -> bool:
@@ -1045,13 +1090,15 @@ def _duty(
         if not _passes(ways[0], parts):
             continue
         worst, span = np.zeros(ways[0].count), np.zeros((ways[0].count, 2))
+        tight, eased = any(case.times is not None for _, case in parts), list[FloatArray]()
         for way in ways:
             passes = _passes(way, parts)
             held = [way.held_by(p.loads) for p in passes]
             top, done = _worn(way, passes, held, strength)
             worst = np.maximum(worst, done)
-            within = _span(way, top, passes, strength, error)
-            span = np.maximum(span, within * way.has[:, None])
+            kind, low, high = _span(way, top, passes, strength, error, EASED if tight else 1.0)
+            eased.append(kind)
+            span = np.maximum(span, np.stack([low, high], axis=-1))
         gauges = [
             (share, Endured(
                 when=when, spots=np.zeros(0), turns=case.turns, duration=case.duration,
@@ -1059,7 +1106,9 @@ def _duty(
             ))
             for share, case in parts
         ]  # fmt: skip
-        spent.append(replace(mixed(when, gauges), spots=worst, span=span))
+        spent.append(replace(
+            mixed(when, gauges), spots=worst, span=span, eased=_kinder(ways, eased, tight=tight)
+        ))  # fmt: skip
     if not spent:
         return spent, np.zeros(0), []
     state = max(range(len(spent)), key=lambda k: spent[k].worst)
@@ -1131,6 +1180,7 @@ def _sorted(o: Outcome, order: IntArray) -> Outcome:
     return replace(
         o, hot=o.hot[order], error=o.error[order], mean=o.mean[order],
         amplitude=o.amplitude[order], used=o.used[order], used_within=o.used_within[order],
+        least=o.least[order],
         times=None if o.times is None else o.times[order],
         life=o.life.at(order) if o.life else None,
     )  # fmt: skip

@@ -61,7 +61,7 @@ class Tried:
     @property
     def at_most(self) -> float:
         """Hours that its error leaves it at most."""
-        return float(np.fmax(self.life, self.judged.life_within[1]))
+        return float(np.fmax(self.life, self.judged.life_meshed))
 
     @property
     def at_least(self) -> float:
