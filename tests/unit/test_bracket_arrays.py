@@ -14,7 +14,7 @@ from cardan.base.errors import DesignError, NotInstalled
 from cardan.base.units import mm
 from cardan.bracket import stress
 from cardan.bracket.engine import engine
-from cardan.bracket.gauges import recover
+from cardan.bracket.gauges import recover, recover_held, reread
 from cardan.bracket.refine import _firm_matters, _share_of_worst, _worse
 from cardan.bracket.shape import solid
 from cardan.bracket.surface import peaks
@@ -314,3 +314,44 @@ def test_what_pulls_straight_off_the_frame_is_known_by_its_largest_force():
     assert not _pulls_off(nodes, np.stack([down / 2, aside]))
     assert not _pulls_off(nodes, -down[None])
     assert not _pulls_off(nodes, 0 * down[None])
+
+
+def test_gauges_tell_how_the_flange_is_held():
+    """Between two influences, a third of the way: by sine forces and gauges off by chance."""
+    random = np.random.default_rng(9)
+    sliding = 1e-8 * random.standard_normal((6, 3))
+    change = 0.3e-8 * random.standard_normal((6, 3))
+    forces = random.normal(scale=[100, 300, 200], size=(400, 3))
+    unsure = np.full((6, 3), 0.02e-8)
+    told, off = [], []
+    for _ in range(200):
+        true = sliding + change / 3 + unsure * random.standard_normal((6, 3))
+        back = recover_held(sliding, sliding + change, forces @ true.T, unsure=unsure)
+        told.append(back.flange)
+        size = forces.std(axis=0)
+        off.append(np.linalg.norm(back.ways_off(size), axis=1) / (back.loads - forces).std(axis=0))
+    assert np.mean(told) == pytest.approx(1 / 3, abs=0.02)
+    assert 0.01 < np.std(told) < 0.15
+    # By how much forces are off, told within a factor of two in the mean, for each.
+    rms = 1 / np.sqrt(np.mean(1 / np.square(off), axis=0))
+    assert np.all((rms > 0.8) & (rms < 2.5)), rms
+    # Three gauges know nothing of it.
+    three = recover_held(sliding[:3], (sliding + change)[:3], forces @ sliding[:3].T, unsure=unsure[:3])
+    assert three.flange == 0
+    other = recover(sliding[:3] + change[:3], forces @ sliding[:3].T).loads
+    assert np.abs(three.held_off) @ np.abs(forces[0]) == pytest.approx(
+        np.abs(np.linalg.inv(sliding[:3]) @ change[:3]) @ np.abs(forces[0])
+    )
+    assert np.abs(other - forces).std() > 0
+
+
+def test_forces_read_by_somebody_are_off_where_he_read_them():
+    """Along what gauges hardly feel nobody read them: neither gauges nor flange move them there."""
+    sliding = np.array([[60, 1, 3], [-60, 2, 3], [15, 1, -5], [0, -1, -30.0]]) * 1e-9
+    clamped, forces = 1.2 * sliding, np.array([[10.0, 500, 40], [-20, 300, 10]])
+    back = reread(sliding, clamped, forces, unsure=0.02 * np.abs(sliding))
+    assert back.loads is forces
+    _, gains, ways = np.linalg.svd(sliding)
+    assert gains[-1] < 0.2 * gains[0]
+    assert back.ways_off(np.array([10.0, 500, 40])).T @ ways[-1] == pytest.approx(0, abs=1e-6)
+    assert back.held_off @ ways[0] == pytest.approx(0.2 * ways[0])

@@ -176,8 +176,7 @@ def test_what_gauges_may_read_wrong_is_in_stress_and_life(found):
 
     def judged(*unsure):
         read = recover(influence, strains, unsure=unsure)
-        ways = {"sliding": read, "clamped": read}
-        case = Case("field", loads_of(read.loads), duration=1.0, read=ways)
+        case = Case("field", loads_of(read.loads), duration=1.0, read=read)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("cardan.study.bracket_judge.solved_apart", lambda *_, **__: solved)
             return judge(found.bracket, found.bracket.shape, [case])

@@ -256,10 +256,8 @@ def test_a_recording_of_strains_becomes_forces(tmp_path):
     assert not list(recorded(own, None))  # before anything is solved nobody knows
     solved = in_two_ways(influence)
     (case,) = recorded(own, solved)
-    assert case.read["sliding"].off.min() > 0
+    assert case.read.off.min() > 0
     assert case.loads[:, :3] == pytest.approx(force, rel=1e-4, abs=0.1)
-    # Clamped it is half as soft at every gauge, so what they read says twice the force.
-    assert case.read["clamped"].loads == pytest.approx(2 * case.loads[:, :3])
     assert not case.shakes
 
 
@@ -283,7 +281,8 @@ def test_forces_that_somebody_read_from_gauges_are_those_of_the_sliding_flange(t
     (case,) = recorded(own, in_two_ways(influence))
     assert before.loads == pytest.approx(case.loads, rel=1e-6, abs=1e-6)
     assert case.loads[:, :3] == pytest.approx(force, rel=1e-4, abs=0.1)
-    assert case.read["clamped"].loads == pytest.approx(2 * case.loads[:, :3])
+    # Of how it was held nobody knows any more: clamped it is half as soft at every gauge.
+    assert case.read.off.max() > 0.2 * np.abs(force).max()
     assert not case.shakes
     assert not before.shakes
 

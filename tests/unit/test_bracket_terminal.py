@@ -300,7 +300,7 @@ def test_forces_read_from_gauges_tell_what_noise_makes_of_them():
     of = replace(finding.answer, bracket=replace(finding.answer.bracket, recordings=(field,)))
     v = of.variants[0]
     back = recover(influence[:, :3], noise, unsure=[2e-9, 0, 0])
-    case = replace(v.outcomes[0].case, name="field", read={"sliding": back, "clamped": back})
+    case = replace(v.outcomes[0].case, name="field", read=back)
     v = replace(v, outcomes=(replace(v.outcomes[0], case=case),))
     said = next(r for r in remarks(of, v) if "field" in r)
     forces = np.linalg.lstsq(influence[:, :3], noise.T, rcond=None)[0]

@@ -22,6 +22,11 @@ _OFF = 0.5
 _FACTOR = 0.01
 """Share by which any gauge may read too much or too little: what is printed on a packet of them."""
 
+FELT = 0.2
+"""Share of what gauges feel most below which who reads the least load reads none."""
+_BETWEEN, _NOTHING = 101, 1e-9
+"""Flanges between the two that are tried; and the share of what gauges read that is nothing."""
+
 _ASTRAY = 0.45
 """Of the sheet, how far off its surface a gauge's point may lie: in its middle nobody knows which
 side is meant."""
@@ -154,6 +159,10 @@ class Recovered:
     unexplained : float
         Share of what gauges read that their loads do not explain, its part in the loads with it;
         nothing where there are no more gauges than loads, and nobody knows.
+    flange : float
+        How it is held, between sliding, 0, and clamped, 1, as far as gauges can tell.
+    held_off : (c, c)
+        By how much each load may be off for a unit of each, for a flange held otherwise.
     """
 
     loads: FloatArray
@@ -164,6 +173,8 @@ class Recovered:
     influence: FloatArray
     unsure: FloatArray
     unexplained: float
+    flange: float
+    held_off: FloatArray
 
     def misread(self, size: FloatArray) -> FloatArray:
         """Return the strain (g,) by which gauges may read loads (c,) N wrong, each load by chance.
@@ -176,9 +187,17 @@ class Recovered:
 
     @property
     def off(self) -> FloatArray:
-        """How much each load (c,) N may be off where they are largest, each gauge by chance."""
-        size = np.abs(self.loads.reshape(-1, len(self.noise))).max(axis=0)
-        return np.linalg.norm(self.inverse * self.misread(size), axis=1)
+        """How much each load (c,) N may be off where they are largest."""
+        return np.linalg.norm(
+            self.ways_off(np.abs(self.loads).reshape(-1, len(self.noise)).max(0)), axis=1
+        )
+
+    def ways_off(self, size: FloatArray) -> FloatArray:
+        """Return how loads (c,) N may be off, (c, g + c) N: by each gauge, by each for the flange.
+
+        One of them each is by chance.
+        """
+        return np.concatenate([self.inverse * self.misread(size), self.held_off * size], axis=1)
 
 
 def recover(
@@ -240,4 +259,46 @@ def recover(
         influence=B,
         unsure=np.broadcast_to(0.0 if unsure is None else np.asarray(unsure, float), B.shape),
         unexplained=np.sqrt(spread[0] / spread[1] * gauges / spare) if spare and spread[1] else 0.0,
+        flange=0.0,
+        held_off=np.zeros((loads, loads)),
     )
+
+
+def recover_held(
+    sliding: FloatArray, clamped: FloatArray, strains: FloatArray, *, unsure: FloatArray
+) -> Recovered:
+    """Find loads by gauges on a flange held nobody knows how, between two ways.
+
+    By that influence between theirs, (g, c) each, that leaves least of strains (t, g) unexplained;
+    where there are no more gauges than loads, or nothing moves, by the sliding one. `unsure` (g, c)
+    is that of either. What is off by chance may look like another flange: by so much it may be.
+    """
+    change, shares = clamped - sliding, np.linspace(0, 1, _BETWEEN)
+    moves = np.cov(strains.T, bias=True)
+    left = [float(np.trace(_unread(sliding + share * change) @ moves)) for share in shares]
+    tells = left[0] > _NOTHING * np.trace(moves)
+    share = float(shares[int(np.argmin(left))]) if tells else 0.0
+    back = recover(sliding + share * change, strains, unsure=unsure)
+    swings = np.cov(back.loads.T, bias=True)
+    seen = float(np.trace(_unread(back.influence) @ change @ swings @ change.T))
+    chance = float(np.sqrt(np.mean(back.misread(np.sqrt(swings.diagonal())) ** 2)))
+    off = min(1.0, chance / np.sqrt(seen)) if seen > _NOTHING * np.trace(moves) else 1.0
+    return replace(back, flange=share, held_off=off * back.inverse @ change)
+
+
+def _unread(influence: FloatArray) -> FloatArray:
+    """Return what of strains (g, g) no load explains."""
+    return np.eye(len(influence)) - influence @ np.linalg.pinv(influence)
+
+
+def reread(
+    sliding: FloatArray, clamped: FloatArray, loads: FloatArray, *, unsure: FloatArray
+) -> Recovered:
+    """Return loads (t, c) that somebody read by the sliding influence, and how they may be off.
+
+    He read the least load that gauges feel, and had the rest from elsewhere. What gauges read is
+    gone, so nobody knows what was left unexplained, or how the flange was held.
+    """
+    back = recover(sliding, loads @ sliding.T, unsure=unsure)
+    inverse = np.linalg.pinv(sliding, rcond=FELT)
+    return replace(back, loads=loads, inverse=inverse, held_off=inverse @ (clamped - sliding))

@@ -228,11 +228,11 @@ def remarks(of: BracketAnswer, v: Judged, say: Language = EN) -> Iterator[str]:
 
 
 def _read_back(of: BracketAnswer, v: Judged) -> Iterator[tuple[BracketRecording, Recovered]]:
-    """Yield the recordings whose forces are read from gauges, the flange sliding."""
+    """Yield the recordings whose forces are read from gauges."""
     known = {o.case.name: o.case.read for o in v.outcomes}
     for one in of.bracket.recordings:
         if (read := known.get(one.name)) is not None:
-            yield one, read["sliding"]
+            yield one, read
 
 
 def _size(residual: FloatArray) -> float:

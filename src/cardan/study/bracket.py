@@ -19,7 +19,7 @@ from cardan.base.units import RadianPerSecond, hour
 from cardan.base.verdict import Check, Limit, Unanswered
 from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
-from cardan.bracket.gauges import recover
+from cardan.bracket.gauges import recover_held, reread
 from cardan.bracket.refine import LEVELS
 from cardan.bracket.solve import Solved
 from cardan.bracket.unit import UNITS
@@ -338,22 +338,18 @@ def _elsewhere(bracket: Bracket, response: Response, s: int, found: Points) -> I
 def recorded(bracket: Bracket, on: Solved | None) -> Iterator[Case]:
     """Yield a case of each recording; strains become forces by the gauges of a bracket solved.
 
-    Each way its flange may be held makes its own of what gauges read. Who read forces back himself
-    did so by the sliding one, of which influence is told. Without a bracket solved, a case of each
-    recording of forces.
+    Who read forces back himself did so by the sliding flange, whose influence is told. Without a
+    bracket solved, a case of each recording of forces.
     """
     for one in bracket.recordings:
         force, read = one.force, None
         if one.read and on is not None:
-            strain = one.strain
-            if strain is None:
-                assert force is not None  # one of the two
-                strain = force @ on.sliding.influence[:, :3].T
-            read = {
-                held.hold: recover(held.influence[:, :3], strain, unsure=held.unsure)
-                for held in on.both
-            }
-            force = read["sliding"].loads
+            ways, unsure = [held.influence[:, :3] for held in on.both], on.sliding.unsure
+            if one.strain is not None:
+                read = recover_held(*ways, one.strain, unsure=unsure)
+                force = read.loads
+            elif force is not None:
+                read = reread(*ways, force, unsure=unsure)
         if force is None:
             continue
         # Forces are those on the bearing: the bracket swings on top of them. What gauges read

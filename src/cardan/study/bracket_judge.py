@@ -40,7 +40,7 @@ from cardan.fatigue.critical import (
     swings,
 )
 from cardan.fatigue.rainflow import turns
-from cardan.model.bracket import ZONES, Bolts, Bracket, Hold, Shape, Zone
+from cardan.model.bracket import ZONES, Bolts, Bracket, Shape, Zone
 from cardan.study.bracket_contact import EASED, Contact, InBolts
 from cardan.study.bracket_forced import Forced, Swept, amplitude
 from cardan.study.bracket_life import Endured, Strength, gauge_damage, loads_of, mixed, strengths
@@ -86,8 +86,8 @@ class Case:
     """Swing of each feature in contact, (features,), over that told by the two ways held."""
     once: bool = False
     """Whether nobody knows how often it happens: it does no damage."""
-    read: Mapping[Hold, Recovered] | None = None
-    """How its forces were read from gauges, by how the flange is held; None where they were not."""
+    read: Recovered | None = None
+    """How its forces were read from gauges; None where they were not."""
     among: tuple["Case", ...] = ()
     """The same at each operating point: of these the worst is told."""
 
@@ -410,9 +410,7 @@ class _Way:
     def loads(self, case: Case) -> FloatArray:
         """Return the loads of a case (t, c), with what the bracket swings on top of them."""
         swings = self.held.swing.unit.shape[1]
-        # Gauges that read the same say another force where the flange is held another way.
-        loads = case.loads if case.read is None else loads_of(case.read[self.held.hold].loads)
-        found = np.pad(loads, ((0, 0), (0, swings)))
+        found = np.pad(case.loads, ((0, 0), (0, swings)))
         if not (case.shakes and np.isfinite(case.duration)):
             return found if case.places > 1 else self.telling(found)
         columns = [*range(3), *range(len(UNITS), len(UNITS) + swings)]
@@ -1034,19 +1032,15 @@ def _outcome(
     return found, peaks
 
 
-def _misread(
-    way: _Way, at: IntArray, read: Mapping[Hold, Recovered] | None, size: FloatArray
-) -> FloatArray:
+def _misread(way: _Way, at: IntArray, read: Recovered | None, size: FloatArray) -> FloatArray:
     """Return the stress (m,) Pa at places that what gauges read wrong makes of forces (3,) N.
 
-    Each gauge by chance; nothing where no forces are read from gauges.
+    Nothing where no forces are read from gauges.
     """
     if read is None:
         return np.zeros(len(at))
-    of = read[way.held.hold]
-    return np.linalg.norm(
-        von_mises(superpose(way.unit[at, :3], of.inverse.T)) * of.misread(size), axis=1
-    )
+    each = von_mises(superpose(way.unit[at, :3], read.ways_off(size).T))
+    return np.linalg.norm(each, axis=1)
 
 
 def _pulls_off(nodes: Nodes, forces: FloatArray) -> bool:
