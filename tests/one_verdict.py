@@ -190,7 +190,7 @@ def made_up_bracket() -> Iterator[None]:
             features=features,
             carried=np.array([100.0]),
             frequencies=np.array([100.0]),
-            first_too_high=(0.0, 0.0),
+            first=(100.0, 0.0),
             forced=None,
         )
         return BracketAnswer(

@@ -98,6 +98,18 @@ def test_where_nothing_is_left_the_bearing_is_rigid_in_its_bracket(response):
     assert np.isfinite(on.worst["peak"].running.peak).any()
 
 
+def test_what_is_left_of_one_way_stays(response):
+    """Across nothing is left, up it is: both went rigid, and ±32 µm/m of a gauge were told ±6."""
+    plain = replace(truck().bracket, rubber=None)
+    soft = seat(
+        np.diag([1e-5, 1.001 / 120e3, 1 / 4e6]), frequencies=np.zeros(0), inertia=np.zeros((3, 3)),
+        motion=np.zeros((0, 3)),
+    )  # fmt: skip
+    up, level = bearing_of(hung(response, plain, soft)).stiffness
+    assert 1 / up + 1 / 4e6 == pytest.approx(1 / 200e3)
+    assert level == pytest.approx(100 * 120e3 / 1.001)
+
+
 def test_who_knows_no_rubber_knows_no_response(response):
     bare = replace(
         response.line.shafts[1], centre_bearing=replace(bearing_of(response), stiffness=None)

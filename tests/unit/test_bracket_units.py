@@ -409,17 +409,21 @@ def test_two_ways_of_holding_have_what_lies_between_them():
 def test_a_mass_on_soft_rubber_rings_as_a_spring(units):
     """The rubber and the bracket in series: w² = 1 / (m (1/k + c)), one mode each way."""
     m, k = 20.0, np.array([150e3, 300e3, 250e3])
-    found = units.carried(*units.modes(3), mass=m, rubber=k)
+    found, bends = units.carried(*units.modes(3), mass=m, rubber=k)
     series = 1 / (1 / k + np.diag(units.compliance)[:3])
     assert found == pytest.approx(np.sort(np.sqrt(series / m)) / (2 * np.pi), rel=5e-3)
+    # What gives more has more of the energy: of two in series their share of what they give.
+    share = np.diag(units.compliance)[:3] * series
+    assert np.sort(bends) == pytest.approx(np.sort(share), rel=0.02)
 
 
 def test_a_heavy_rigid_mass_rings_on_the_bracket(units):
     """A mass much heavier than the bracket: w² = 1 / (m c) in its softest direction."""
     m = 500.0
-    found = units.carried(*units.modes(1), mass=m)
+    found, rigidly = units.carried(*units.modes(1), mass=m)
     softest = np.linalg.eigvalsh(units.compliance[:3, :3]).max()
     assert found[0] == pytest.approx(np.sqrt(1 / (m * softest)) / (2 * np.pi), rel=5e-3)
+    assert rigidly == pytest.approx([1.0])
 
 
 @pytest.mark.parametrize(("rubber", "to"), [((150e3, 3e6, 8e6), 1e-8), (None, 2e-5)])
@@ -445,7 +449,7 @@ def test_what_a_bracket_carries_rings_as_both_together_do(units, rubber, to):
         return_eigenvectors=False,
     )  # fmt: skip
     together = np.sort(np.sqrt(squares)) / (2 * np.pi)
-    found = units.carried(*units.modes(6), mass=m, rubber=rubber)
+    found, _ = units.carried(*units.modes(6), mass=m, rubber=rubber)
     assert found == pytest.approx(together, rel=to)
 
 

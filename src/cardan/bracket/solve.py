@@ -114,6 +114,8 @@ class Held:
     frequencies, carried : Hz
         Natural frequencies, six by itself and with what it carries; of the clamped flange
         three and two.
+    bends : (k,) 1
+        Share of the energy of each mode with what it carries that bends it, and no rubber.
     too_high : (k,) 1
         Share by which the natural frequencies by itself may be above those of finer elements; of
         the clamped flange nobody asks it.
@@ -134,6 +136,7 @@ class Held:
     reactions: FloatArray
     frequencies: FloatArray
     carried: FloatArray
+    bends: FloatArray
     too_high: FloatArray
     too_stiff: FloatArray
     influence: FloatArray
@@ -398,13 +401,14 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     own = shapes[:OWN]
     every = replace(units, displacements=np.concatenate([units.displacements, own]))
     read = influence(every, task.gauges)
-    carried = alone
+    carried, bends = alone, np.ones_like(alone)
     if task.carried_mass > 0:
-        carried = units.carried(alone, shapes, mass=task.carried_mass, rubber=task.rubber)
+        carried, bends = units.carried(alone, shapes, mass=task.carried_mass, rubber=task.rubber)
         carried = carried if many else carried[:2]
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
+        bends=bends,
         too_high=too_high(found.elastic, alone, shapes) if many else np.zeros(0),
         too_stiff=too_stiff(
             found.elastic, found.displacements[:3], units.compliance.diagonal()[:3]

@@ -3,7 +3,7 @@
 Stresses are (..., 6) Pa: xx, yy, zz, xy, yz, zx.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -127,6 +127,11 @@ class Extremes:
     """Maximum principal stress: tension, which opens cracks."""
     lowest: Extreme
     """Minimum principal stress."""
+
+    def at(self, points: FloatArray) -> "Extremes":
+        """Return the same where the points searched were those of more (points,)."""
+        each = (self.von_mises, self.highest, self.lowest)
+        return Extremes(*(replace(e, point=int(points[e.point])) for e in each))
 
 
 def extremes(unit: ArrayLike, loads: ArrayLike) -> Extremes:

@@ -27,7 +27,7 @@ from cardan.report.wording import cited, curve, unanswered
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer
 from cardan.study.bracket_contact import APART, InBolts
-from cardan.study.bracket_forced import Forced
+from cardan.study.bracket_forced import FIRM, Forced
 from cardan.study.bracket_judge import Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
 from cardan.study.finding import BRACKET
@@ -202,6 +202,16 @@ def remarks(of: BracketAnswer, v: Judged, say: Language = EN) -> Iterator[str]:
             yield say(
                 "{name}: {pick} is {faces}, {area} mm².",
                 name=say(v.name), pick=p.name, faces=faces, area=area,
+            )  # fmt: skip
+    for axis, k, given in zip("zy", (2, 1), of.series or (), strict=False):
+        own = 1 / v.compliance[k, k]
+        if given > own * FIRM / (1 + FIRM):
+            yield say(
+                "{name}: the bearing's stiffness_N_mm, of rubber and bracket in series, is {given} "
+                "N/mm along {axis}, and the bracket alone gives {own}: its rubber is taken as "
+                "rigid that way.",
+                name=say(v.name), axis=axis, given=say.number(given / (N / mm)),
+                own=say.number(own / (N / mm)),
             )  # fmt: skip
     for one, found in _read_back(of, v):
         x, y, z = (say.number(n) for n in found.noise)

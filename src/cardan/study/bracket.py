@@ -50,6 +50,8 @@ class BracketAnswer:
     bracket: Bracket
     top_speed: RadianPerSecond
     variants: tuple[Judged, ...]
+    series: tuple[float, float] | None = None
+    """Stiffness of rubber and bracket in series, up and level, N/m, where no other is given."""
 
 
 def judged(
@@ -91,6 +93,7 @@ def study(
         bracket=bracket,
         top_speed=bench.top_speed,
         variants=tuple(variants),
+        series=bench.series,
     )
 
 
@@ -119,6 +122,13 @@ class Bench:
         """The highest speed of all states; nan where nobody knows."""
         speeds = self.response.demand.speed
         return float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
+
+    @property
+    def series(self) -> tuple[float, float] | None:
+        """Stiffness of rubber and bracket in series, up and level, where no other is given."""
+        bearing = self.response.line.shafts[self.bracket.bearing - 1].centre_bearing
+        alone = self.bracket.rubber is None and bearing and bearing.bracket_stiffness is None
+        return bearing.stiffness if alone else None
 
     def mounted(self, solved: Solved) -> Mounted:
         """Return the loads of the line hung in a bracket that gives, and those measured on it."""
@@ -184,7 +194,11 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
         yield from _fatigue(variant)
     if quantity == "bracket_life":
         measured = {one.name for one in of.bracket.recordings}
-        lives = (o.life for o in variant.outcomes if o.case.name in measured and o.life)
+        # A recording may have the name of a state, whose cases say what they are of it.
+        lives = (
+            o.life for o in variant.outcomes
+            if o.case.name in measured and not o.case.what and o.life
+        )  # fmt: skip
         for endured in (*variant.duty, *lives):
             for zone in dict.fromkeys(f.zone for f in variant.features):
                 mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
@@ -198,14 +212,11 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
         for when, share, point in variant.slips:
             yield _Value(when, Part("bolts"), share, point)
     if quantity == "bracket_resonance" and np.isfinite(of.top_speed) and of.top_speed > 0:
-        # What rides on rubber swings by itself; what it rides on rigidly swings with it.
-        on_rubber = of.bracket.rubber is not None or variant.forced is not None
-        own = variant.frequencies if on_rubber else variant.carried
-        alone, loaded = variant.first_too_high
-        ratio = float(own[0]) * 2 * np.pi / (SHAKEN * of.top_speed)
+        own, too_high = variant.first
+        ratio = own * 2 * np.pi / (SHAKEN * of.top_speed)
         yield _Value(
             Occasion("speed", TOP), Part("mode", 1, SHAKEN), ratio,
-            within=(ratio / (1 + (alone if on_rubber else loaded)), ratio),
+            within=(ratio / (1 + too_high), ratio),
         )  # fmt: skip
 
 

@@ -23,7 +23,15 @@ from cardan.bracket.gauges import Recovered
 from cardan.bracket.refine import LEVELS
 from cardan.bracket.shape import WALL
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
-from cardan.bracket.stress import envelope, extremes, moments, superpose, von_mises
+from cardan.bracket.stress import (
+    Extreme,
+    Extremes,
+    envelope,
+    extremes,
+    moments,
+    superpose,
+    von_mises,
+)
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import (
     CLOSELY,
@@ -58,6 +66,12 @@ _MORE = 1.01
 """Times its swing at the point of most stress, above which the point of most swing is told too."""
 SWINGS: dict[Zone, str] = {zone: f"widest swing, {zone}" for zone in ZONES}
 """What a case of a state takes where a zone swings most, if that is not where it stresses most."""
+_SIZE = np.diag([1.0, 1, 1, 2, 2, 2])
+"""Of a stress (6,) the square of its size as a tensor, which no principal stress is above."""
+_MISES = _SIZE * 1.5 - np.pad(np.full((3, 3), 0.5), (0, 3))
+"""And of von Mises."""
+_MOSTLY = 0.5
+"""Of a mode's energy, what bends a bracket that swings itself."""
 _AT_ONCE = 2000
 """Places whose planes are held at once: under 100 MB."""
 
@@ -310,13 +324,21 @@ class Judged:
         return self.solved.sliding.carried
 
     @property
-    def first_too_high(self) -> tuple[float, float]:
-        """Share by which the first frequency may be too high: by itself, and with what it carries.
+    def first(self) -> tuple[float, float]:
+        """The lowest frequency, Hz, at which the bracket itself swings; how much too high it may be.
 
-        What it carries weighs what it weighs: no more than half of the stiffness's own share.
+        By itself, and with what hangs in it the lowest of the modes in which it gives more than the
+        rubber does: of the line where that is known, else of the mass that it carries. What it
+        carries weighs what it weighs: no more than half of the stiffness's own share.
         """
         of = self.solved.sliding
-        return float(of.too_high[0]) if len(of.too_high) else 0.0, float(of.too_stiff.max()) / 2
+        bends = self.carried[of.bends >= _MOSTLY]
+        if self.forced is not None:
+            line = self.forced.swept
+            bends = line.frequencies[np.array(line.names) == "bracket"]
+        loaded = float(of.too_stiff.max()) / 2
+        alone = float(of.too_high[0]) if len(of.too_high) else 0.0
+        return min([(float(self.frequencies[0]), alone), *((f, loaded) for f in bends.tolist())])
 
     @property
     def shown(self) -> tuple[Feature, ...]:
@@ -954,13 +976,12 @@ def _outcome(
         places = way.places(loads)
         flat = places.ravel()
         unit = way.unit[flat]
-        outer, _ = outermost(loads, way.worth)
-        found = extremes(unit, outer)
+        level, found = _stressed(unit, loads, way.worth)
         best.append(tuple(
             Found(e.value, _point(way.points[flat[e.point]]))
             for e in (found.von_mises, found.highest, found.lowest)
         ))  # type: ignore[arg-type]  # fmt: skip
-        level = envelope(unit, outer).reshape(places.shape)
+        level = level.reshape(places.shape)
         level *= way.has[:, None]
         top = places[np.arange(count), level.argmax(axis=1)]
         peaks.append(_Peak.of(way, top, level.max(axis=1)))
@@ -1030,6 +1051,36 @@ def _outcome(
         pulls_off=_pulls_off(solved.nodes, case.loads[:, :3]),
     )
     return found, peaks
+
+
+def _stressed(
+    unit: FloatArray, loads: FloatArray, worth: FloatArray
+) -> tuple[FloatArray, Extremes]:
+    """Return the highest von Mises stress (m,) Pa of unit stresses (m, c, 6) under loads (t, c).
+
+    And the extremes of all. Of a long history at the moments that lie farthest from no load, and at
+    all of them where one of the others may make more: of compression they may.
+    """
+    outer, ways = outermost(loads, worth)
+    level, found = envelope(unit, outer), extremes(unit, outer)
+    beyond = superpose(unit, ways.T)
+    mises, tension = (
+        np.sqrt(np.linalg.eigvalsh(beyond @ of @ beyond.mT).max(axis=1, initial=0.0))
+        for of in (_MISES, _SIZE)
+    )
+    left = np.flatnonzero((mises > level) | (tension > found.highest.value))
+    if len(left):
+        level[left], also = envelope(unit[left], loads), extremes(unit[left], loads)
+        found = Extremes(
+            max(found.von_mises, also.at(left).von_mises, key=_value),
+            max(found.highest, also.at(left).highest, key=_value),
+            min(found.lowest, also.at(left).lowest, key=_value),
+        )
+    return level, found
+
+
+def _value(of: Extreme) -> float:
+    return of.value
 
 
 def _misread(way: _Way, at: IntArray, read: Recovered | None, size: FloatArray) -> FloatArray:
