@@ -325,7 +325,7 @@ class Judged:
 
     @property
     def first(self) -> tuple[float, float]:
-        """The lowest frequency, Hz, at which the bracket itself swings; how much too high it may be.
+        """The lowest frequency, Hz, at which it swings itself; the share it may be too high by.
 
         By itself, and with what hangs in it the lowest of the modes in which it gives more than the
         rubber does: of the line where that is known, else of the mass that it carries. What it
