@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from math import pi
+from math import isinf, pi
 from typing import TYPE_CHECKING
 
 from cardan.base.errors import BadFile, Problem, RefusedInFile
@@ -94,7 +94,7 @@ def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str
         ))  # fmt: skip
     if isinstance(c, Check) and c.within:
         quantity = QUANTITIES[c.quantity]
-        low, high = (say.short(end / quantity.factor, 4) for end in c.within)
+        low, high = ("∞" if isinf(end) else say.short(end / quantity.factor, 4) for end in c.within)
         with_unit, alone = _BETWEEN.get(c.part.kind, _HELD)
         means = with_unit if quantity.unit_name else alone
         told.append(say(means, low=low, high=high, unit=quantity.unit_name))

@@ -688,7 +688,7 @@ def _span(
     ends = _ends(error, ease)
     some = ends[1:] if ease == 1 else ends
     found = _damage(way, np.tile(at, len(some)), passes, strength, some.ravel())
-    found = found.reshape(len(some), -1) * way.has
+    found = np.where(way.has, found.reshape(len(some), -1), 0.0)  # what breaks at once is endless
     return found if len(found) == len(ends) else found[[0, 0, 1]]
 
 
@@ -1008,6 +1008,12 @@ def _outcome(
             eased.append(kind)
             span = np.fmax(span, np.stack([low, high], axis=-1))
             spent = np.fmax(spent, done)
+    used_within = np.full((count, 2), np.nan)
+    if swung_ends:
+        least_used = [kind for kind, *_ in swung_ends]
+        most_used = [np.where(w.has, e[-1], 0.0) for w, e in zip(ways, swung_ends, strict=True)]
+        used_within[:, 0] = _kinder(ways, least_used, tight=case.times is not None)
+        used_within[:, 1] = np.max(most_used, axis=0)
     sliding = ways[0]
     loads = sliding.loads(case)
     strain = superpose(sliding.influence[..., None], loads)[..., 0]
@@ -1033,17 +1039,7 @@ def _outcome(
         mean=mean,
         amplitude=amplitude,
         used=swung if strength and case.repeats else np.full(count, np.nan),
-        used_within=np.full((count, 2), np.nan)
-        if life is None
-        else np.stack(
-            [
-                _kinder(ways, [low for low, *_ in swung_ends], tight=case.times is not None),
-                np.max(
-                    [way.has * high for way, (*_, high) in zip(ways, swung_ends, strict=True)], 0
-                ),
-            ],
-            axis=-1,
-        ),
+        used_within=used_within,
         strain=np.stack([strain.min(axis=-1), strain.max(axis=-1)], axis=-1),
         bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
         motion=float(np.linalg.norm(motion, axis=-1).max()),
