@@ -141,4 +141,4 @@ def test_a_plain_u_has_no_toe():
 def test_the_tenth_bolt_comes_after_the_ninth():
     """Of ten bolts the border called 8 was that of bolt 7: "bolt 10" stood before "bolt 2"."""
     names = [f"bolt {k}" for k in range(1, 13)]
-    assert sorted(reversed(names), key=zones._counted) == names
+    assert sorted(sorted(names), key=zones._counted) == names

@@ -301,7 +301,7 @@ def _largest(
     larger fares worse, of two as large the one about the higher mean.
     """
     worth = np.sqrt(np.mean(stress**2, axis=(0, 1)))
-    once, often = np.zeros((2, *stress.shape[:2]))
+    once, often = np.zeros(stress.shape[:2]), np.zeros(stress.shape[:2])
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[:, None]
         loads = np.concatenate(one.loads)
@@ -393,7 +393,7 @@ def plane_damage(
         else:  # one hard pull one way may hide the many that tire another
             asked = np.zeros(most.shape, dtype=bool)
             beside = exact.argmax(axis=1)[:, None] + np.arange(-_BESIDE, _BESIDE + 1)
-            asked[every[:, None], beside % exact.shape[1]] = True
+            asked[every[:, None], beside % len(directions[0])] = True
         asked &= exact < 0
     damage[counts], best[counts] = exact.max(axis=1, initial=0.0), exact.argmax(axis=1)
     return damage, directions[np.arange(len(best)), best]

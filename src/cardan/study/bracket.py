@@ -127,8 +127,9 @@ class Bench:
     def series(self) -> tuple[float, float] | None:
         """Stiffness of rubber and bracket in series, up and level, where no other is given."""
         bearing = self.response.line.shafts[self.bracket.bearing - 1].centre_bearing
-        alone = self.bracket.rubber is None and bearing and bearing.bracket_stiffness is None
-        return bearing.stiffness if alone else None
+        if self.bracket.rubber is not None or bearing is None or bearing.bracket_stiffness:
+            return None
+        return bearing.stiffness
 
     def mounted(self, solved: Solved) -> Mounted:
         """Return the loads of the line hung in a bracket that gives, and those measured on it."""
@@ -355,12 +356,12 @@ def recorded(bracket: Bracket, on: Solved | None) -> Iterator[Case]:
     for one in bracket.recordings:
         force, read = one.force, None
         if one.read and on is not None:
-            ways, unsure = [held.influence[:, :3] for held in on.both], on.sliding.unsure
+            sliding, clamped = (held.influence[:, :3] for held in on.both)
             if one.strain is not None:
-                read = recover_held(*ways, one.strain, unsure=unsure)
+                read = recover_held(sliding, clamped, one.strain, unsure=on.sliding.unsure)
                 force = read.loads
             elif force is not None:
-                read = reread(*ways, force, unsure=unsure)
+                read = reread(sliding, clamped, force, unsure=on.sliding.unsure)
         if force is None:
             continue
         # Forces are those on the bearing: the bracket swings on top of them. What gauges read
