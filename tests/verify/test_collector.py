@@ -384,7 +384,8 @@ def test_what_the_bend_is_promised_is_what_the_page_says(tmp_path):
     asked = ["life", str(CASE / "promise.yaml"), "--changed-history", str(tmp_path / "cured.csv")]
     CliRunner().invoke(cli, asked)
     text = (CASE / "cured.yaml").read_text().replace(
-        "  fatigue:", "  recordings: [{name: promised, file: cured.csv, from_gauges: true}]\n  fatigue:"
+        "  fatigue:",
+        "  recordings: [{name: promised, file: cured.csv, from_gauges: true}]\n  fatigue:",
     )  # fmt: skip
     (tmp_path / "a.yaml").write_text(text)
     judged = study(files.read(tmp_path / "a.yaml")).variants[0]
