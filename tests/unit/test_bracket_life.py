@@ -26,7 +26,7 @@ from cardan.report.contract import check
 from cardan.report.language import Language
 from cardan.report.wording import place
 from cardan.study.approval import assess
-from cardan.study.bracket import BracketAnswer, cases_of, checks_of, duty_of
+from cardan.study.bracket import Bench, BracketAnswer, cases_of, checks_of, duty_of
 from cardan.study.bracket_judge import Case, Feature, Judged
 from cardan.study.bracket_life import (
     ALONE,
@@ -281,6 +281,14 @@ def test_what_rides_on_a_bracket_weighs_on_it():
     still = next(iter(cases_of(application.bracket, response)))
     assert still.loads[0, :3] == pytest.approx([0, 0, -50 - 12 * 9.80665])
     assert still.loads[0, 6:] == pytest.approx([0, 0, 9.80665])
+
+
+def test_the_highest_speed_is_the_line_s_whichever_states_are_listed():
+    """A file whose one state turns at 600 rpm had 8.4 times the excitation that has 2.1."""
+    states = "states: [{name: empty, travel_mm: 0, speed_rpm: 600}]\n"
+    application = files.loads(TEXT + states)
+    assert Bench.of(application).top_speed == pytest.approx(2400 * rpm)
+    assert Bench.of(files.loads(TEXT)).top_speed == pytest.approx(2400 * rpm)
 
 
 def test_nobody_drives_for_hours_on_the_bump_stop():

@@ -591,6 +591,20 @@ def test_a_flat_face_is_a_bolt_s_where_it_is_a_pad_about_its_hole(tmp_path):
     assert areas(solid(ring))["bolt 1"] == pytest.approx(areas(solid(L))["bolt 1"], rel=1e-6)
 
 
+def test_a_slot_is_no_bolt_s_hole(tmp_path):
+    """A slot's end was taken for a bolt's whole hole, in a pressed sheet of another CAD program."""
+    occ, path = engine().occ, tmp_path / "slot.step"
+    x, y, z = (v / mm for v in L.places[0])
+    end = occ.Cylinder(occ.Pnt(x, y + 6, z - 50), occ.Z, r=5.5, h=100)
+    between = occ.Box(occ.Pnt(x - 5.5, y, z - 50), occ.Pnt(x + 5.5, y + 6, z + 50))
+    (bare_l() - end - between).WriteStep(str(path))
+    part = by_points(path)
+    at = Pick(near=(x * mm, (y + 11.5) * mm, (z - 4) * mm))
+    with pytest.raises(DesignError, match=r"bolt 1: .* by 180 degrees") as failed:
+        solid(replace(part, bolts=(at, *part.bolts[1:])))
+    assert failed.value.about == "bracket.step.bolts[1]"
+
+
 def test_a_file_in_other_axes_is_refused_with_what_its_bore_lies_along(tmp_path):
     """Turned about z the bore lies across the vehicle; ten degrees are a shaft's slope."""
     occ, path = engine().occ, tmp_path / "turned.step"

@@ -119,9 +119,9 @@ class Bench:
 
     @property
     def top_speed(self) -> RadianPerSecond:
-        """The highest speed of all states; nan where nobody knows."""
-        speeds = self.response.demand.speed
-        return float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
+        """The line's highest speed, in a state or not; nan where nobody knows."""
+        fastest = float(np.max(self.response.balanced_at))
+        return fastest if np.isfinite(fastest) else np.nan
 
     @property
     def series(self) -> tuple[float, float] | None:
