@@ -23,7 +23,8 @@ _FACTOR = 0.01
 """Share by which any gauge may read too much or too little: what is printed on a packet of them."""
 
 FELT = 0.2
-"""Share of what gauges feel most below which who reads the least load reads none."""
+"""Share of what the load that gauges feel most does to them, below which the least load is not read
+back: what a wire has of noise would stand for it."""
 _BETWEEN, _NOTHING = 101, 1e-9
 """Flanges between the two that are tried; and the share of what gauges read that is nothing."""
 

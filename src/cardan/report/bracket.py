@@ -616,6 +616,7 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
                 "noise_N": found.noise.tolist(),
                 "error_N": found.off.tolist(),
                 "condition": found.condition,
+                "flange": None if one.strain is None else found.flange,
                 "unexplained_microstrain": (
                     None if one.strain is None else 1e6 * _size(found.residual)
                 ),
