@@ -413,7 +413,7 @@ def test_a_recording_s_life_is_held_against_the_limit():
 
     judged: Any = SimpleNamespace(
         # A state of the recording's name, whose turn at its worst point nobody drives for hours.
-        outcomes=(case("pothole", 1.0), case("morning", 1.0, "worst point"), case("morning", 1e-3)),
+        outcomes=(case("pothole", 1.0), case("morning", 1e-3), case("morning", 1.0, "worst point")),
         features=features,
         duty=(lived("gvw", damage=1e-9, kind="duty"),),
     )  # fmt: skip
