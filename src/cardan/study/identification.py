@@ -18,7 +18,7 @@ for neighbours err alike, and what the model leaves out. Of the force that is a 
 alike at alike speeds, so it does not average out where a speed is passed again: its covariance
 whitens what is left over. How the rubber's loss goes with frequency, what a bracket's own mode
 raises and what a logger's filters delay moves with the rest, and is not told. Other places that
-fit as well are in the interval.
+fit as well are in the interval. Gains are those of the plain sum above.
 Source: derived from first principles; Ljung, System Identification (1999), ch. 7;
 Cameron & Miller, A practitioner's guide to cluster-robust inference, J. Hum. Resour. 50 (2015);
 Kennedy & O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 63 (2001).
@@ -801,13 +801,14 @@ def identify(
     rough = size**2 + np.nanmean(size[:, 1:2] ** 2, axis=-1, keepdims=True)
     noise = np.nan_to_num(np.sqrt(level**2 + LEFT_OUT**2 * rough), nan=1.0)
     fit = _Fit(model, cuts, units, gauges, noise=noise)
-    found = _best(fit, phases=phases)
-    fit = fit.allowing(fit.said(found.free, found.x))
-    free = found.free
-    begun = [found.x, *_across(_starts(fit, free), found.x)]
+    plain = _best(fit, phases=phases)
+    width = _spread(fit, plain)
+    fit = fit.allowing(fit.said(plain.free, plain.x))
+    free = plain.free
+    begun = [plain.x, *_across(_starts(fit, free), plain.x)]
     minima = [_Found(free, *_least(lambda at: fit.rows(free, at), x)) for x in begun]
     minima.sort(key=lambda one: one.misfit)
-    return _told(fit, minima, application, state=state, bearing=bearing)
+    return _told(fit, minima, (plain.x, width), application, state=state, bearing=bearing)
 
 
 def _scene(angle: Angle, torque: tuple[FloatArray, float], seconds: float) -> _Scene:
@@ -988,13 +989,22 @@ def _across(starts: list[FloatArray], found: FloatArray) -> list[FloatArray]:
 
 
 def _told(
-    fit: _Fit, minima: list[_Found], application: Application, *, state: str, bearing: int
-) -> Identification:
-    """Return what was found with its intervals: of the best minimum, and of those as likely."""
+    fit: _Fit, minima: list[_Found], plain: tuple[FloatArray, FloatArray], application: Application,
+    *, state: str, bearing: int,
+) -> Identification:  # fmt: skip
+    """Return what was found with its intervals: of the best minimum, and of those as likely.
+
+    What a gauge reads of a force is that of the plain fit, given with its widths. What the model
+    leaves out of the force alike at all speeds cannot be told from a gain, so where it is allowed
+    for, what was assumed decides; the plain amplitude is what was recorded, and by it force is
+    read back. The interval holds both.
+    """
     found = minima[0]
     rivals = [one for one in minima if one.misfit - found.misfit < RIVAL]
-    spread = [_spread(fit, one) for one in rivals]
-    free, x = found.free, found.x
+    likely = [(one.x, _spread(fit, one)) for one in rivals]
+    free = found.free
+    reads = [f.name in ("gain", ASKEW) for f in free]
+    x = np.where(reads, plain[0], found.x)
     said = fit.said(free, x)
     computed = fit.stress(said)
     turn, U, mark = fit.turned(computed)
@@ -1009,9 +1019,9 @@ def _told(
             continue
         floor = LEAST.get(f.name, 0.01 if f.log else 0.5 * deg)
         at = x[n]
-        half = [max(SURE * float(s[n]), floor) for s in spread]
-        low = min(one.x[n] - h for one, h in zip(rivals, half, strict=True))
-        high = max(one.x[n] + h for one, h in zip(rivals, half, strict=True))
+        places = [*likely, plain] if reads[n] else likely
+        low = min(float(y[n]) - max(SURE * float(s[n]), floor) for y, s in places)
+        high = max(float(y[n]) + max(SURE * float(s[n]), floor) for y, s in places)
         told = not np.isfinite(f.prior) or (high - low) / 2 < SURE * NARROWED * f.prior
         low, high = f.value(low), f.value(high)
         parameters.append(
