@@ -360,15 +360,19 @@ def test_the_crack_is_where_the_surface_suffers_most(tmp_path):
     (tmp_path / "a.yaml").write_text(text)
     judged = study(files.read(tmp_path / "a.yaml")).variants[0]
     (outcome,) = [o for o in judged.outcomes if o.case.when.name == "morning"]
-    known = truth("joints")["crack"]
-    assert known["hours"] / 2 <= outcome.life.hours <= 2 * known["hours"]
-    assert outcome.life.hours == pytest.approx(told(r"upper bend, ([\d ]+) hours")[0], rel=1 / 3)
-    place = 1e3 * np.array(judged.features[int(outcome.life.spots.argmax())].point)
+    known, lives = truth("joints")["crack"], [
+        outcome.life.at([k]) for k in range(len(judged.features))
+    ]  # fmt: skip
     true = np.array(known["place_mm"])
     # Both legs are alike: the bend, on one side or the other, and where along it.
-    assert abs(abs(place[1]) - abs(true[1])) < 4
-    assert abs(place[2] - true[2]) < 4
-    assert abs(place[0] - true[0]) < 20
+    off = [np.abs(1e3 * np.abs(f.point) - np.abs(true)) for f in judged.features]
+    bend = [k for k, one in enumerate(off) if (one < (20, 4, 4)).all()]
+    hours = min(lives[k].hours for k in bend)
+    assert known["hours"] / 2 <= hours <= 2 * known["hours"]
+    assert hours == pytest.approx(told(r"upper bend, ([\d ]+) hours")[0], rel=1 / 3)
+    # Its end, a line where the flat sheet begins, may be told less by 2 % of stress, not surely.
+    assert outcome.life.hours > hours / 1.02**9
+    assert int(np.argmin([life.hours_within[1] for life in lives])) in bend
 
 
 @pytest.mark.bracket

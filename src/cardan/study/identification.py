@@ -994,17 +994,17 @@ def _told(
 ) -> Identification:  # fmt: skip
     """Return what was found with its intervals: of the best minimum, and of those as likely.
 
-    What a gauge reads of a force is that of the plain fit, given with its widths. What the model
-    leaves out of the force alike at all speeds cannot be told from a gain, so where it is allowed
-    for, what was assumed decides; the plain amplitude is what was recorded, and by it force is
-    read back. The interval holds both.
+    Gains are those of the plain fit, given with its widths. What the model leaves out of the force
+    alike at all speeds cannot be told from them, so where it is allowed for, what was assumed
+    decides; the plain amplitude is what was recorded, and by it force is read back. The interval
+    holds both.
     """
     found = minima[0]
     rivals = [one for one in minima if one.misfit - found.misfit < RIVAL]
     likely = [(one.x, _spread(fit, one)) for one in rivals]
     free = found.free
-    reads = [f.name in ("gain", ASKEW) for f in free]
-    x = np.where(reads, plain[0], found.x)
+    gain = np.array([f.name == "gain" for f in free])
+    x = np.where(gain, plain[0], found.x)
     said = fit.said(free, x)
     computed = fit.stress(said)
     turn, U, mark = fit.turned(computed)
@@ -1019,7 +1019,7 @@ def _told(
             continue
         floor = LEAST.get(f.name, 0.01 if f.log else 0.5 * deg)
         at = x[n]
-        places = [*likely, plain] if reads[n] else likely
+        places = [*likely, plain] if gain[n] else likely
         low = min(float(y[n]) - max(SURE * float(s[n]), floor) for y, s in places)
         high = max(float(y[n]) + max(SURE * float(s[n]), floor) for y, s in places)
         told = not np.isfinite(f.prior) or (high - low) / 2 < SURE * NARROWED * f.prior
