@@ -34,7 +34,7 @@ from cardan.fatigue.cause import (
 )
 from cardan.fatigue.conditioning import Health, finer, low_pass, no_zero, survey, treated
 from cardan.fatigue.correction import Correction, uncorrected
-from cardan.fatigue.damage import Life, damage_exponent, miner, repeats_at
+from cardan.fatigue.damage import Life, damage_exponent, miner, nearly, repeats_at
 from cardan.fatigue.evidence import STANDING, SWAPPED, UNSEEN, Evidence, together
 from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
 from cardan.fatigue.orders import Rotation
@@ -809,9 +809,8 @@ class _Joints:
 
     def damage(self, stress: FloatArray) -> float:
         """Damage of a stretch of stress (n,)."""
-        tally = _Tally(self.plan)
-        tally.add(stress)
-        return tally.closed()
+        plan = self.plan
+        return nearly(stress, rule=plan.rule, curve=plan.curve, correction=plan.correction)
 
     def taken_off(self, stress: Iterable[FloatArray]) -> Iterator[FloatArray]:
         """Yield the stress (gauges, n) without their part."""

@@ -399,7 +399,7 @@ class Split:
     @property
     def rest(self) -> FloatArray:
         """Signal less slow mean less tones, (channels, n)."""
-        return self.signal - self.slow - self.tones.sum(1)
+        return self.signal - self.slow - self.tones.sum(1, dtype=float)
 
 
 def _basis(n: int) -> FloatArray:
@@ -415,8 +415,12 @@ def _pairs(n: int) -> tuple[FloatArray, FloatArray]:
     """Products of each two splines over a span, (16, 7) of powers (7, n): of degree six."""
     powers = np.asarray(np.polynomial.legendre.legvander(np.linspace(-1, 1, n), 6).T, float)
     basis = _basis(n)
-    return powers, (basis[:, None] * basis).reshape(16, n) @ np.linalg.pinv(powers)
+    both = (basis[:, None] * basis).reshape(16, n) @ np.linalg.pinv(powers)
+    return powers.astype(Sum), both.astype(Sum)
 
+
+Sum = np.float32
+"""What tones are met in: of sums over a span seven digits say more than any noise leaves of one."""
 
 RIDGE, STEADY = 1e-4, 1e-2
 """Price of an amplitude's size and of its changes, against samples that say otherwise."""
@@ -492,17 +496,17 @@ class Splitter:
         inside = (place >= number[0]) & (place <= number[-1])
         time = place / self.rate
         spans = x.shape[1] // n
-        weight = inside.astype(float).reshape(spans, n)
+        weight = inside.astype(Sum).reshape(spans, n)
         normal = self._normal(start - reach, weight, before)
         fitted, coefficients = _fit(x, normal)
         event = np.zeros_like(x)
         if np.isfinite(self.event_factor):
-            event = self._events(x - fitted.sum(1), inside)
+            event = self._events(x - fitted.sum(1, dtype=float), inside)
             if event.any():
                 # Again with the events nearly silent, so that a blow is not spread into tones.
-                quiet = np.where(event.max(0) < 0.5, 1.0, EVENT_WEIGHT).reshape(spans, n)
+                quiet = np.where(event.max(0) < 0.5, 1.0, EVENT_WEIGHT).astype(Sum).reshape(spans, n)
                 fitted, coefficients = _fit(x, normal.weighed(weight * quiet))
-                event = self._events(x - fitted.sum(1), inside)
+                event = self._events(x - fitted.sum(1, dtype=float), inside)
         middle = time.reshape(spans, n)[:, n // 2]
         keep = slice(reach, reach + body)
         held = (middle >= time[reach]) & (middle < time[reach] + body / self.rate)
@@ -515,7 +519,7 @@ class Splitter:
         split = Split(
             start=start, signal=x[:, keep], slow=fitted[:, 0, keep], tones=fitted[:, 1:, keep],
             amplitude=amplitude[..., held], time=middle[held], frequency=frequency[:, held],
-            padded_rest=np.where(inside, x - fitted.sum(1), 0.0), padded_event=event, margin=reach,
+            padded_rest=np.where(inside, x - fitted.sum(1, dtype=float), 0.0), padded_event=event, margin=reach,
         )  # fmt: skip
         return split, normal
 
@@ -533,7 +537,7 @@ class Splitter:
     def _rows(self, first: int, spans: int) -> FloatArray:
         """One for the slow mean, cosine and sine for each tone, (spans, 1 + 2 tones, n)."""
         time = (first + np.arange(spans * self.samples)) / self.rate
-        rows: FloatArray = np.ones((spans, 1 + 2 * len(self.tones), self.samples))
+        rows = np.ones((spans, 1 + 2 * len(self.tones), self.samples), Sum)
         met = {id(t.rotation): t.rotation for t in self.tones}
         known = {name: (of.at(time), of.speed(time)) for name, of in met.items()}
         for k, tone in enumerate(self.tones):
@@ -598,7 +602,9 @@ class _Normal:
     @classmethod
     def none(cls, p: int, n: int) -> "_Normal":
         """Return that of no spans."""
-        return cls(0, np.empty((0, p, n)), np.empty((0, n)), np.empty((0, 4 * p, 4 * p)))
+        return cls(
+            0, np.empty((0, p, n), Sum), np.empty((0, n), Sum), np.empty((0, 4 * p, 4 * p), Sum)
+        )  # fmt: skip
 
     def since(self, first: int) -> "_Normal":
         """Return those from a sample on."""
@@ -622,7 +628,7 @@ def _gram(rows: FloatArray, weight: FloatArray) -> FloatArray:
     low = [_products(weighted[:, k : k + 1] * rows[:, : k + 1], powers) for k in range(p)]
     one, other = np.tril_indices(p)
     pairs = (np.concatenate(low, axis=1) @ both.T).reshape(spans, one.size, 4, 4).swapaxes(0, 1)
-    gram = np.empty((spans, 4, p, 4, p))
+    gram = np.empty((spans, 4, p, 4, p), Sum)
     gram[:, :, other, :, one] = pairs
     gram[:, :, one, :, other] = pairs
     return gram.reshape(spans, 4 * p, 4 * p)
@@ -635,8 +641,8 @@ def _fit(x: FloatArray, normal: _Normal) -> tuple[FloatArray, FloatArray]:
     rows, gram = normal.rows, normal.gram
     spans, p, n = rows.shape
     channels = x.shape[0]
-    basis = _basis(n)
-    target = (x.reshape(channels, spans, n) * normal.weight)[:, :, None]
+    basis = _basis(n).astype(Sum)
+    target = (x.astype(Sum).reshape(channels, spans, n) * normal.weight)[:, :, None]
     right = np.stack([_products(rows * each, basis) for each in target], axis=-1)
     right = right.swapaxes(1, 2).reshape(spans, 4 * p, channels)
     size = (spans + 3) * p
@@ -661,7 +667,7 @@ def _fit(x: FloatArray, normal: _Normal) -> tuple[FloatArray, FloatArray]:
     c = solveh_banded(banded, total, lower=True, check_finite=False)
     c = c.reshape(spans + 3, p, channels)
     local = np.stack([c[k : k + spans].T for k in range(4)], axis=-1)  # (ch, p, spans, 4)
-    each = local @ basis
+    each = local.astype(Sum) @ basis
     each *= rows.swapaxes(0, 1)
     each = each.reshape(channels, p, -1)
     parts = np.concatenate([each[:, :1], each[:, 1::2] + each[:, 2::2]], axis=1)
