@@ -61,6 +61,7 @@ from cardan.fatigue.locked import (
     Aligned,
     Line,
     Scene,
+    Search,
     aligned,
     levelled,
     limited,
@@ -210,21 +211,22 @@ class _Case:
     @cached_property
     def options(self) -> list[Aligned]:
         """Return ratios and lags of the speed that the stress goes with, the best first."""
-        return self.aligned(self.angle) if self.whole > 0 else []
+        return aligned(self.search) if self.whole > 0 else []
 
     @cached_property
     def quiet(self) -> FloatArray:
         """Return `y` with its blows cut down (m,)."""
         return limited(self.y, self.rate)
 
-    def aligned(self, angle: Angle) -> list[Aligned]:
-        """Return ratios and lags of an angle, the best first."""
-        return aligned(self.quiet, self.load, angle, self.rate, self.start)
+    @cached_property
+    def search(self) -> Search:
+        """Return what ratios and lags are looked for in."""
+        return Search(self.quiet, self.load, self.angle, self.rate, self.start)
 
-    def other(self, angle: Angle) -> Aligned | None:
-        """Return the best ratio and lag of another angle, if it explains more than the shaft's."""
+    def other(self, times: float) -> Aligned | None:
+        """Return the best ratio and lag of what turns so often as far, if it explains more."""
         over = self.first.energy
-        found = aligned(self.quiet, self.load, angle, self.rate, self.start, over=over)
+        found = aligned(self.search, times=times, over=over)
         return found[0] if found and found[0].energy > over else None
 
     def scene(self, option: Aligned, angle: Angle | None = None) -> Scene:
@@ -303,9 +305,8 @@ class _Case:
     def elsewhere(self, span: _Span) -> _Span:
         """Widen by what may be theirs if the speed is another's, at half or twice the shaft's."""
         for times, doubt in ((2.0, DOUBLED), (0.5, HALVED)):
-            scaled = replace(self.angle.rotation, turns=times * self.angle.rotation.turns)
-            asked = replace(self.angle, rotation=scaled)
-            if found := self.other(asked):
+            if found := self.other(times):
+                asked = replace(self.angle, rotation=self.angle.rotation.geared(times))
                 theirs = punctual(found, most=self.angle.lag)
                 other = order_line(self.scene(theirs, asked), self.y, 2, most=2)
                 # What turns once a turn with the speed's square is unbalance.
@@ -341,12 +342,11 @@ class _Case:
         """
         if not self.angle.measured:
             return None
-        turning = self.angle.rotation
-        asked = [replace(self.angle, rotation=turning.geared(times)) for times in SCALES]
-        found = [(best.energy, k) for k, angle in enumerate(asked) if (best := self.other(angle))]
+        found = [(best.energy, times) for times in SCALES if (best := self.other(times))]
         if not found:
             return None
-        other = replace(self, angle=asked[max(found)[1]])
+        turning = self.angle.rotation.geared(max(found)[1])
+        other = replace(self, angle=replace(self.angle, rotation=turning))
         return other if other.line.strength >= FOUND else None
 
     @cached_property
