@@ -63,6 +63,7 @@ from cardan.fatigue.locked import (
     Scene,
     Search,
     aligned,
+    by_bands,
     levelled,
     limited,
     order_line,
@@ -308,8 +309,12 @@ class _Case:
             if found := self.other(times):
                 asked = replace(self.angle, rotation=self.angle.rotation.geared(times))
                 theirs = punctual(found, most=self.angle.lag)
-                other = order_line(self.scene(theirs, asked), self.y, 2, most=2)
-                # What turns once a turn with the speed's square is unbalance.
+                scene = self.scene(theirs, asked)
+                # What turns once a turn with the speed's square is unbalance, seen roughly first.
+                by_torque, by_speed = by_bands(scene, self.y, 2)
+                if NO_SQUARE * by_torque < by_speed:
+                    continue
+                other = order_line(scene, self.y, 2, most=2)
                 by_torque, by_speed = (solved(other.columns[k::2], self.y)[1] for k in (0, 1))
                 clearly = NO_SQUARE * by_speed if self.measured else by_speed
                 if by_torque > clearly and other.strength >= FOUND:
