@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import ComplexArray, FloatArray, IntArray
 from cardan.fatigue.angle import Angle
@@ -143,7 +144,8 @@ def aligned(search: Search, *, times: float = 1.0, over: float = 0.0) -> list[Al
     m, square, shifts = search.size, search.square, search.shifts
     if m < 100:
         return []
-    moved = (search.pulled * wave(-2 * times * search.turns).reshape(m, -1)).mean(-1)
+    back = wave(-2 * times * search.turns).reshape(m, -1)
+    moved = np.einsum("ij,ij->i", search.pulled, back) / search.every
     step = search.every / search.rate
     most = max(int(shifts[-1]), 0)
     time, turns, f2 = search.around
@@ -405,8 +407,8 @@ class _Slow:
 
     def met(self, x: FloatArray) -> ComplexArray:
         """Return x (n,) as Re z e^{ikθ} near the order: z (m,)."""
-        turned = x[: self.back.size] * self.back
-        return 2 * turned.reshape(-1, self.every).mean(-1)
+        x, back = (v.reshape(-1, self.every) for v in (x[: self.back.size], self.back))
+        return np.einsum("ij,ij->i", x, back) * (2 / self.every)
 
     def columns(self, poles: Sequence[tuple[float, float]], *, shift: float = 0.0) -> ComplexArray:
         """Each force, plain and through each mode (columns, m), all of it `shift` Hz beside."""
@@ -630,6 +632,11 @@ class Line:
     slow: _Slow
     stretch: IntArray
     rate: float
+
+    @cached_property
+    def coarse(self) -> npt.NDArray[np.complex64]:
+        """Return the columns to seven digits."""
+        return self.columns.astype(np.complex64)
 
     @cached_property
     def phantoms(self) -> list[tuple[ComplexArray, float]]:

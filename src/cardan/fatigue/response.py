@@ -715,7 +715,8 @@ class _Theirs:
             if rng is not None:
                 k = one.noise.shape[0]
                 mix = (rng.normal(size=k) + 1j * rng.normal(size=k)) / np.sqrt(2 * k)
-                z = z + (mix @ one.noise) @ one.columns
+                # Of what noise might have made of it four digits are plenty.
+                z = z + (mix @ one.noise).astype(np.complex64) @ one.coarse
                 gain = gain + sigma * (
                     rng.normal(size=gain.size) + 1j * rng.normal(size=gain.size)
                 ) / np.sqrt(2)
@@ -759,5 +760,6 @@ def _back(wave: FloatArray, every: int, n: int) -> FloatArray:
         return wave
     from scipy.signal import resample_poly
 
-    out = resample_poly(wave, every, 1)[:n]
+    # Seven digits of it are taken off a stress.
+    out = resample_poly(wave.astype(np.float32), every, 1)[:n]
     return np.pad(out, (0, n - out.size))
