@@ -272,7 +272,7 @@ class _Choices:
     def _done(self, rows: Rows) -> FloatArray:
         """Return the damage (rows,) of cycles: of few, none costs as much as a call."""
         done = damages(rows.cycles, curve=self.curve, correction=self.correction)
-        return np.bincount(rows.row, done, len(rows.residues))
+        return np.asarray(np.bincount(rows.row, done, len(rows.residues)), float)
 
     def closed(self, rule: ResidueRule, *, causes: int, whole: float) -> FloatArray:
         """Return the damage of every choice (2^causes,), with that of all causes known."""

@@ -124,8 +124,8 @@ class Search:
         """Times, turns and turns/s from the latest lag on to the earliest: a lag is a place."""
         step = self.every / self.rate
         most, least = max(int(self.shifts[-1]), 0), min(int(self.shifts[0]), 0)
-        place = np.arange(self.size + most - least) - most
-        time = self.start + (self.every - 1) / 2 / self.rate + place * step
+        place = np.arange(self.size + most - least, dtype=float) - most
+        time: FloatArray = self.start + (self.every - 1) / 2 / self.rate + place * step
         return time, self.angle.rotation.at(time), self.angle.rotation.speed(time)
 
 
@@ -407,8 +407,8 @@ class _Slow:
 
     def met(self, x: FloatArray) -> ComplexArray:
         """Return x (n,) as Re z e^{ikθ} near the order: z (m,)."""
-        x, back = (v.reshape(-1, self.every) for v in (x[: self.back.size], self.back))
-        return np.einsum("ij,ij->i", x, back) * (2 / self.every)
+        rows = x[: self.back.size].reshape(-1, self.every)
+        return np.einsum("ij,ij->i", rows, self.back.reshape(rows.shape)) * (2 / self.every)
 
     def columns(self, poles: Sequence[tuple[float, float]], *, shift: float = 0.0) -> ComplexArray:
         """Each force, plain and through each mode (columns, m), all of it `shift` Hz beside."""

@@ -12,6 +12,7 @@ Sources: Vold & Leuridan, SAE 931288 (1993); Tuma, Vold-Kalman order tracking fi
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -387,8 +388,8 @@ class Split:
 
     start: int
     signal: FloatArray
-    slow: FloatArray
-    tones: FloatArray
+    slow: "Sums"
+    tones: "Sums"
     amplitude: ComplexArray
     time: FloatArray
     frequency: FloatArray
@@ -411,7 +412,7 @@ def _basis(n: int) -> FloatArray:
 
 
 @cache
-def _pairs(n: int) -> tuple[FloatArray, FloatArray]:
+def _pairs(n: int) -> "tuple[Sums, Sums]":
     """Products of each two splines over a span, (16, 7) of powers (7, n): of degree six."""
     powers = np.asarray(np.polynomial.legendre.legvander(np.linspace(-1, 1, n), 6).T, float)
     basis = _basis(n)
@@ -420,6 +421,7 @@ def _pairs(n: int) -> tuple[FloatArray, FloatArray]:
 
 
 Sum = np.float32
+Sums: TypeAlias = npt.NDArray[np.float32]
 """What tones are met in: of sums over a span seven digits say more than any noise leaves of one."""
 
 RIDGE, STEADY = 1e-4, 1e-2
@@ -504,9 +506,10 @@ class Splitter:
             event = self._events(x - fitted.sum(1, dtype=float), inside)
             if event.any():
                 # Again with the events nearly silent, so that a blow is not spread into tones.
-                quiet = np.where(event.max(0) < 0.5, 1.0, EVENT_WEIGHT).astype(Sum).reshape(spans, n)
+                quiet = np.where(event.max(0) < 0.5, Sum(1), Sum(EVENT_WEIGHT)).reshape(spans, n)
                 fitted, coefficients = _fit(x, normal.weighed(weight * quiet))
                 event = self._events(x - fitted.sum(1, dtype=float), inside)
+        rest = np.where(inside, x - fitted.sum(1, dtype=float), 0.0)
         middle = time.reshape(spans, n)[:, n // 2]
         keep = slice(reach, reach + body)
         held = (middle >= time[reach]) & (middle < time[reach] + body / self.rate)
@@ -519,11 +522,11 @@ class Splitter:
         split = Split(
             start=start, signal=x[:, keep], slow=fitted[:, 0, keep], tones=fitted[:, 1:, keep],
             amplitude=amplitude[..., held], time=middle[held], frequency=frequency[:, held],
-            padded_rest=np.where(inside, x - fitted.sum(1, dtype=float), 0.0), padded_event=event, margin=reach,
+            padded_rest=rest, padded_event=event, margin=reach,
         )  # fmt: skip
         return split, normal
 
-    def _normal(self, first: int, weight: FloatArray, before: "_Normal") -> "_Normal":
+    def _normal(self, first: int, weight: "Sums", before: "_Normal") -> "_Normal":
         """Return what turns in spans (spans, n) from a sample on, their samples weighed."""
         met = before.since(first)
         known = len(met.weight)
@@ -534,7 +537,7 @@ class Splitter:
             np.concatenate([met.gram, _gram(rows, weight[known:])]),
         )  # fmt: skip
 
-    def _rows(self, first: int, spans: int) -> FloatArray:
+    def _rows(self, first: int, spans: int) -> "Sums":
         """One for the slow mean, cosine and sine for each tone, (spans, 1 + 2 tones, n)."""
         time = (first + np.arange(spans * self.samples)) / self.rate
         rows = np.ones((spans, 1 + 2 * len(self.tones), self.samples), Sum)
@@ -595,9 +598,9 @@ class _Normal:
     """
 
     first: int
-    rows: FloatArray
-    weight: FloatArray
-    gram: FloatArray
+    rows: Sums
+    weight: Sums
+    gram: Sums
 
     @classmethod
     def none(cls, p: int, n: int) -> "_Normal":
@@ -611,7 +614,7 @@ class _Normal:
         k = (first - self.first) // self.rows.shape[-1]
         return _Normal(first, self.rows[k:], self.weight[k:], self.gram[k:])
 
-    def weighed(self, weight: FloatArray) -> "_Normal":
+    def weighed(self, weight: Sums) -> "_Normal":
         """Return them otherwise weighed: only spans in which that is so are summed again."""
         other = (weight != self.weight).any(-1)
         gram = self.gram.copy()
@@ -619,7 +622,7 @@ class _Normal:
         return replace(self, weight=weight, gram=gram)
 
 
-def _gram(rows: FloatArray, weight: FloatArray) -> FloatArray:
+def _gram(rows: Sums, weight: Sums) -> Sums:
     """Return what `_Normal.gram` is, of rows (spans, p, n) with weights (spans, n)."""
     spans, p, n = rows.shape
     weighted = rows * weight[:, None]
@@ -634,7 +637,7 @@ def _gram(rows: FloatArray, weight: FloatArray) -> FloatArray:
     return gram.reshape(spans, 4 * p, 4 * p)
 
 
-def _fit(x: FloatArray, normal: _Normal) -> tuple[FloatArray, FloatArray]:
+def _fit(x: FloatArray, normal: _Normal) -> tuple[Sums, FloatArray]:
     """Parts (channels, 1 + tones, n) of x, and spline coefficients (c, p, spans, 4)."""
     from scipy.linalg import solveh_banded
 
@@ -674,7 +677,7 @@ def _fit(x: FloatArray, normal: _Normal) -> tuple[FloatArray, FloatArray]:
     return parts, local
 
 
-def _products(a: FloatArray, b: FloatArray) -> FloatArray:
+def _products(a: Sums, b: Sums) -> Sums:
     """Return Σ a b over samples of each two rows of (spans, i, n) and (j, n), (spans, i, j).
 
     In slices too small for BLAS to start threads on: on a busy machine they cost thirty times

@@ -395,7 +395,7 @@ class Quality:
     samples_only
         Damage by the samples alone, where crests were looked for between them; else nan.
     fast
-        Share of the stress's power above 0.4 of the sample rate, of all of it or where it is loudest.
+        Share of the stress's power above 0.4 of the sample rate, of all or where it is loudest.
     biaxiality
         Of a rosette, where the stress is high; nan of single gauges.
     measures

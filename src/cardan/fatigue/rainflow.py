@@ -196,9 +196,12 @@ def of_choices(
         before = [residues[c] for c in choices]
         if loop is None:
             bits = choices[:, None] >> np.arange(len(parts)) & 1
-            yield choices, _each(
-                four_point(without_small(bit @ parts, gate=gate), residue=r)
-                for bit, r in zip(bits, before, strict=True)
+            yield (
+                choices,
+                _each(
+                    four_point(without_small(bit @ parts, gate=gate), residue=r)
+                    for bit, r in zip(bits, before, strict=True)
+                ),
             )
             continue
         had = np.array([r.size for r in before])

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import BoolArray, ComplexArray, FloatArray
 from cardan.base.said import Said
@@ -139,7 +140,7 @@ class Identified:
     """
 
     evidence: Evidence
-    stress: FloatArray
+    stress: npt.NDArray[np.floating]
     order2: FloatArray
     damage: float
 
@@ -266,7 +267,7 @@ class _Case:
         """Return the share of damage that goes with a wave (m,)."""
         return 1 - self.damage(self.stress - self.at_all(wave)) / self.whole
 
-    def at_all(self, wave: FloatArray) -> FloatArray:
+    def at_all(self, wave: FloatArray) -> npt.NDArray[np.floating]:
         """Return a wave (m,) at all samples (n,)."""
         return _back(wave, self.every, self.stress.size)
 
@@ -754,7 +755,7 @@ def _thinned(x: FloatArray, every: int) -> FloatArray:
     return resample_poly(x, 1, every, padtype="line")
 
 
-def _back(wave: FloatArray, every: int, n: int) -> FloatArray:
+def _back(wave: FloatArray, every: int, n: int) -> npt.NDArray[np.floating]:
     """Return a thinned wave at all samples (n,)."""
     if every == 1:
         return wave

@@ -133,7 +133,7 @@ class _Gauge:
         np.add.at(left, when, legs.count * self.curve.damage(self._equivalent(legs)))
         damage, high, low, at_high, at_low, live = np.array(self.rows).reshape(-1, 6).T
         began, done = (np.concatenate(v) for v in zip(*self.opened, strict=True))
-        opened = np.bincount(began, done, len(self.rows))
+        opened = np.asarray(np.bincount(began, done, len(self.rows)), float)
         return Usage(
             damage, left, high, low, at_high, at_low, live, opened, tuple(self.turns)
         )  # fmt: skip
