@@ -68,7 +68,7 @@ def followed_on(
         n, last = residue.size - 1, residue[-1]
         stack[:n] = residue[:-1]
         if n:
-            way = (last > residue[-2]) - (last < residue[-2])
+            way = int(np.sign(last - residue[-2]))
     closed, n, last, way = close(x, stack, n, last, way, start, end)
     # Close against the running extreme too: it can only move farther out.
     while n >= 3 and abs(stack[n - 1] - stack[n - 2]) <= min(
