@@ -242,7 +242,7 @@ def test_lines_laid_between_few_samples_are_no_samples(tmp_path):
 def test_a_contact_that_chatters_for_tenths_of_a_second_is_said(tmp_path):
     """White, so what was faster still is folded in: 70 times the damage, in 2 % of the power."""
     rng, x = np.random.default_rng(4), stress() / 3
-    for k in rng.integers(0, x.size - 100, 8):
+    for k in rng.integers(0, x.size - 100, 2):
         x[k : k + 100] += 40 * rng.normal(size=100)
     path = written(tmp_path, {"S1": x})
     told = run(path, "--gauge", "S1:MPa", *SN, "--accept", "spike", "--accept", "dropout").output
