@@ -174,6 +174,7 @@ def made_up_bracket() -> Iterator[None]:
         hot=spots,
         used=spots / (300 * MPa),
         error=0 * spots,
+        least=spots,
         used_within=np.stack([spots, spots], axis=-1) / (300 * MPa),
     )
     duty = Endured(
@@ -189,7 +190,7 @@ def made_up_bracket() -> Iterator[None]:
             features=features,
             carried=np.array([100.0]),
             frequencies=np.array([100.0]),
-            first_too_high=(0.0, 0.0),
+            first=(100.0, 0.0),
             forced=None,
         )
         return BracketAnswer(

@@ -98,6 +98,18 @@ def test_where_nothing_is_left_the_bearing_is_rigid_in_its_bracket(response):
     assert np.isfinite(on.worst["peak"].running.peak).any()
 
 
+def test_what_is_left_of_one_way_stays(response):
+    """Across nothing is left, up it is: both went rigid, and ±32 µm/m of a gauge were told ±6."""
+    plain = replace(truck().bracket, rubber=None)
+    soft = seat(
+        np.diag([1e-5, 1.001 / 120e3, 1 / 4e6]), frequencies=np.zeros(0), inertia=np.zeros((3, 3)),
+        motion=np.zeros((0, 3)),
+    )  # fmt: skip
+    up, level = bearing_of(hung(response, plain, soft)).stiffness
+    assert 1 / up + 1 / 4e6 == pytest.approx(1 / 200e3)
+    assert level == pytest.approx(100 * 120e3 / 1.001)
+
+
 def test_who_knows_no_rubber_knows_no_response(response):
     bare = replace(
         response.line.shafts[1], centre_bearing=replace(bearing_of(response), stiffness=None)
@@ -220,11 +232,12 @@ def test_a_state_of_a_case_is_one_of_the_file():
     assert "did you mean jounce" in str(failed.value)
 
 
-def written(tmp_path, head, rows, gauges=True):
+def written(tmp_path, head, rows, gauges=True, more=""):
     (tmp_path / "run.csv").write_text(
         head + "\n" + "\n".join(",".join(f"{v:.6g}" for v in row) for row in rows) + "\n"
     )
-    text = TRUCK.read_text(encoding="utf-8") + "  recordings: [{name: field, file: run.csv}]\n"
+    text = TRUCK.read_text(encoding="utf-8")
+    text += f"  recordings: [{{name: field, file: run.csv{more}}}]\n"
     if not gauges:
         at = text.index("  gauges:"), text.index("  cases:")
         text = text[: at[0]] + text[at[1] :]
@@ -253,11 +266,43 @@ def test_a_recording_of_strains_becomes_forces(tmp_path):
     head = "time_s," + ",".join(f"S{k} [um/m]" for k in range(1, 5))
     own = written(tmp_path, head, np.column_stack([t, read]))
     assert not list(recorded(own, None))  # before anything is solved nobody knows
-    solved = SimpleNamespace(influence=influence, unsure=np.array([1e-10, 0, 0]))
+    solved = in_two_ways(influence)
     (case,) = recorded(own, solved)
     assert case.read.off.min() > 0
     assert case.loads[:, :3] == pytest.approx(force, rel=1e-4, abs=0.1)
     assert not case.shakes
+
+
+def in_two_ways(influence):
+    """Return a bracket solved, its gauges half as sensitive where its flange is clamped."""
+    sliding, clamped = (
+        SimpleNamespace(hold=hold, influence=share * influence, unsure=np.array([1e-10, 0, 0]))
+        for hold, share in (("sliding", 1.0), ("clamped", 0.5))
+    )
+    return SimpleNamespace(sliding=sliding, clamped=clamped, both=(sliding, clamped))
+
+
+def test_forces_that_somebody_read_from_gauges_are_those_of_the_sliding_flange(tmp_path):
+    """As strains of the same recording; and its bracket swings in what gauges felt already."""
+    t = np.arange(60) / 200
+    force = np.stack([50 * np.cos(30 * t), 900 * np.sin(40 * t), 200 + 0 * t], axis=-1)
+    influence = 1e-8 * np.random.default_rng(2).standard_normal((4, 9))
+    head, rows = "time_s,x_N,y_N,z_N", np.column_stack([t, force])
+    own = written(tmp_path, head, rows, more=", from_gauges: true")
+    (before,) = recorded(own, None)
+    (case,) = recorded(own, in_two_ways(influence))
+    assert before.loads == pytest.approx(case.loads, rel=1e-6, abs=1e-6)
+    assert case.loads[:, :3] == pytest.approx(force, rel=1e-4, abs=0.1)
+    # Of how it was held nobody knows any more: clamped it is half as soft at every gauge.
+    assert case.read.off.max() > 0.2 * np.abs(force).max()
+    assert not case.shakes
+    assert not before.shakes
+
+
+def test_forces_from_gauges_need_the_gauges(tmp_path):
+    rows = [[k / 9, 1, 2, 3] for k in range(9)]
+    with pytest.raises(BadFile, match="from_gauges: needs the gauges they were read from, 3"):
+        written(tmp_path, "time_s,x_N,y_N,z_N", rows, gauges=False, more=", from_gauges: true")
 
 
 @pytest.mark.parametrize(

@@ -26,8 +26,8 @@ from cardan.report.contract import check
 from cardan.report.language import Language
 from cardan.report.wording import place
 from cardan.study.approval import assess
-from cardan.study.bracket import BracketAnswer, cases_of, checks_of, duty_of
-from cardan.study.bracket_judge import Case, Feature
+from cardan.study.bracket import Bench, BracketAnswer, cases_of, checks_of, duty_of
+from cardan.study.bracket_judge import Case, Feature, Judged
 from cardan.study.bracket_life import (
     ALONE,
     Endured,
@@ -283,6 +283,14 @@ def test_what_rides_on_a_bracket_weighs_on_it():
     assert still.loads[0, 6:] == pytest.approx([0, 0, 9.80665])
 
 
+def test_the_highest_speed_is_the_line_s_whichever_states_are_listed():
+    """A file whose one state turns at 600 rpm had 8.4 times the excitation that has 2.1."""
+    states = "states: [{name: empty, travel_mm: 0, speed_rpm: 600}]\n"
+    application = files.loads(TEXT + states)
+    assert Bench.of(application).top_speed == pytest.approx(2400 * rpm)
+    assert Bench.of(files.loads(TEXT)).top_speed == pytest.approx(2400 * rpm)
+
+
 def test_nobody_drives_for_hours_on_the_bump_stop():
     """A state with its own geometry counts as what its name says."""
     states = "states: [{name: gvw, travel_mm: 0}, {name: jounce, travel_mm: 0}, {name: turning}]\n"
@@ -307,6 +315,7 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
         case=Case("pothole", np.zeros((1, 9))), hot=np.array([100, 250, 50]) * MPa,
         used=np.array([0.5, 0.75, np.nan]), life=None, error=np.array([10, 50, 2.5]) * MPa,
         used_within=np.array([[0.45, 0.55], [0.6, 1.2], [np.nan, np.nan]]),
+        least=np.array([90, 235, 50]) * MPa,
     )  # fmt: skip
     spent = Endured(
         when=Occasion("duty", "gvw"), spots=np.array([1e-9, 2e-9, 3e-9]), gauges=np.zeros(0),
@@ -314,7 +323,7 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     )  # fmt: skip
     judged: Any = SimpleNamespace(
         outcomes=(outcome,), duty=(spent,), features=features, carried=np.array([50.0]),
-        frequencies=np.array([150.0]), forced=None, first_too_high=(0.02, 0.05),
+        frequencies=np.array([150.0]), forced=None, first=(50.0, 0.05),
     )  # fmt: skip
     limits = (
         Limit(quantity="bracket_stress_utilisation", maximum=0.6, source=MINER),
@@ -339,13 +348,14 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
         "sheet 3": pytest.approx((1 / 5e-9, 1 / 2e-9)),
         "weld toe 2": pytest.approx((1 / 4e-9, 1 / 1e-9)),
     }
-    # 250 and 50 MPa of 500; its error reaches past the limit of 0.6 to no more than equality.
-    assert stress.within == pytest.approx((0.4, 0.6))
+    # 250 and 50 MPa of 500; its error reaches past the limit of 0.6 to no more than equality. Held
+    # the kinder way it is 235.
+    assert stress.within == pytest.approx((0.37, 0.6))
     assert (stress.grade, stress.may_be) == ("pass", "pass")
     # Up to 1.2 of the limit by its error: it passes, and may not.
     assert (sheet.within, toe.within) == ((0.45, 0.55), (0.6, 1.2))
     assert [(c.grade, c.may_be) for c in (sheet, toe)] == [("pass", "pass"), ("pass", "warn")]
-    assert "between 0.6 and 1.2 by the estimated error" in place(toe, Language("en"))
+    assert "between 0.6 and 1.2 by what elements, flange" in place(toe, Language("en"))
     for code, word in (
         ("en", "may warn"),
         ("pt", "pode ser um alerta"),
@@ -355,18 +365,34 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
         assert word not in place(sheet, Language(code))
     assert sorted((sheet, toe), key=badness)[0] is toe
     assert check(toe)["may_be"] == "warn"
-    # Rigidly carried: 50 Hz over twice 100 rad/s.
+    # 50 Hz over twice 100 rad/s; its elements are too stiff, by up to 5 % here.
     assert (far.state, far.value) == ("highest speed", pytest.approx(50 / (2 * 100 / (2 * np.pi))))
-    # Elements are too stiff: by up to 5 % loaded, 2 % by itself, and never too soft.
     assert far.within == pytest.approx((far.value / 1.05, far.value))
-    soft = replace(answer, bracket=replace(answer.bracket, rubber=(1e5, 1e5, 1e5)))
-    *_, own = checks_of(soft, judged, limits)
-    assert own.value == pytest.approx(150 / (2 * 100 / (2 * np.pi)))
-    assert own.within == pytest.approx((own.value / 1.02, own.value))
-    # The rubber of the bearing counts as that of the bracket: what rides on it is told over speed.
-    judged.forced = object()
-    *_, own = checks_of(answer, judged, limits)
-    assert own.value == pytest.approx(150 / (2 * 100 / (2 * np.pi)))
+
+
+def test_a_bracket_swings_itself_where_it_gives_more_than_the_rubber():
+    """What rides on soft rubber swings by itself; on stiff rubber the bracket swings with it.
+
+    Rubber of 1e6 N/mm had a bracket told by itself, 2.0 times order 2, that met it at 1027 rpm.
+    """
+
+    def first(bends: Any, names: Any = None) -> Any:
+        sliding = SimpleNamespace(
+            bends=np.array(bends), too_high=np.array([0.02]), too_stiff=np.array([0.1, 0.05, 0.02])
+        )
+        swept = SimpleNamespace(frequencies=np.array([8.0, 34.0, 90.0]), names=names)
+        judged: Any = SimpleNamespace(
+            solved=SimpleNamespace(sliding=sliding), frequencies=np.array([150.0]),
+            carried=np.array([22.0, 55.0]), forced=names and SimpleNamespace(swept=swept),
+        )  # fmt: skip
+        return Judged.first.fget(judged)
+
+    assert first([1.0, 1.0]) == pytest.approx((22, 0.05))  # rigidly carried
+    assert first([0.3, 0.8]) == pytest.approx((55, 0.05))
+    assert first([0.1, 0.2]) == pytest.approx((150, 0.02))
+    # Where the line is known, by its own modes.
+    assert first([1.0, 1.0], ("yaw", "bracket", "bracket")) == pytest.approx((34, 0.05))
+    assert first([1.0, 1.0], ("yaw", "pitch", "bending")) == pytest.approx((150, 0.02))
 
 
 def test_a_recording_s_life_is_held_against_the_limit():
@@ -381,11 +407,14 @@ def test_a_recording_s_life_is_held_against_the_limit():
         return Endured(when=Occasion(kind, name), spots=spots, gauges=np.zeros(0), turns=np.nan,
                        duration=10.0)  # fmt: skip
 
-    def case(name: str, damage: float) -> Any:
-        return SimpleNamespace(case=Case(name, np.zeros((1, 9))), life=lived(name, damage=damage))
+    def case(name: str, damage: float, what: str = "") -> Any:
+        own = Case(name, np.zeros((1, 9)), what=what)
+        return SimpleNamespace(case=own, life=lived(name, damage=damage))
 
     judged: Any = SimpleNamespace(
-        outcomes=(case("pothole", 1.0), case("morning", 1e-3)), features=features,
+        # A state of the recording's name, whose turn at its worst point nobody drives for hours.
+        outcomes=(case("pothole", 1.0), case("morning", 1e-3), case("morning", 1.0, "worst point")),
+        features=features,
         duty=(lived("gvw", damage=1e-9, kind="duty"),),
     )  # fmt: skip
     of: Any = SimpleNamespace(
@@ -415,3 +444,8 @@ def test_a_life_says_between_what_it_lies():
     assert spent.hours_within == pytest.approx((1 / 1.5**5, 0.5 / 0.9**5))
     assert spent.at([0]).hours_within == pytest.approx((0.5 / 1.1**5, 0.5 / 0.9**5))
     assert all(map(np.isnan, replace(spent, span=None).hours_within))
+    # Held the kinder way the first does a third: then the second fails first, if anything.
+    kinder = replace(spent, eased=np.array([0.2, 0.3]))
+    assert kinder.hours_within == pytest.approx((1 / 1.5**5, 1 / 0.3))
+    assert kinder.at([0]).hours_within == pytest.approx((0.5 / 1.1**5, 5))
+    assert kinder.hours_meshed == pytest.approx(0.5 / 0.9**5)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cardan.base.units import mm
+from cardan.bracket import zones
 from cardan.bracket.elastic import elastic, mesh
 from cardan.bracket.engine import engine
 from cardan.bracket.shape import solid
@@ -135,3 +136,9 @@ def test_a_plain_u_has_no_toe():
     made = elastic(mesh(body.shape, size=10 * mm), STEEL, held=held)
     zones = zones_of(made.nodes, held=tuple(held), thickness=U.thickness)
     assert {k for k, _ in zones.features} == {SHEET, CUT, BORDER}
+
+
+def test_the_tenth_bolt_comes_after_the_ninth():
+    """Of ten bolts the border called 8 was that of bolt 7: "bolt 10" stood before "bolt 2"."""
+    names = [f"bolt {k}" for k in range(1, 13)]
+    assert sorted(sorted(names), key=zones._counted) == names

@@ -35,10 +35,14 @@ def both(row):
     return sorted((round(a, 9), round(m, 9)) for a, m in pairs)
 
 
+@pytest.mark.parametrize("compiled", [True, False])
 @settings(deadline=None)
-@given(st.lists(st.lists(st.integers(-9, 9), min_size=7, max_size=7), min_size=1, max_size=6))
-def test_rows_are_counted_as_each_by_itself(rows):
-    amplitude, mean = counted(rows)
+@given(rows=st.lists(st.lists(st.integers(-9, 9), min_size=7, max_size=7), min_size=1, max_size=6))
+def test_rows_are_counted_as_each_by_itself(compiled, rows):
+    with pytest.MonkeyPatch.context() as patch:
+        if not compiled:
+            patch.setattr("cardan.fatigue.critical.rows_at_once", lambda: None)
+        amplitude, mean = counted(rows)
     for row, a, m in zip(rows, amplitude, mean, strict=True):
         mine = sorted((round(x, 9), round(y, 9)) for x, y in zip(a, m, strict=True) if x > 0)
         assert mine == both(row)
@@ -235,10 +239,11 @@ def test_of_a_long_history_no_moment_is_missed(seed):
     mean, amplitude = swings(stress, loads)
     assert amplitude == pytest.approx(np.ptp(moments, axis=-1) / 2, rel=1e-12)
     assert mean == pytest.approx((moments.max(axis=-1) + moments.min(axis=-1)) / 2)
-    few, least = outermost(loads, np.sqrt(np.mean(stress**2, axis=(0, 1))))
+    middle = loads.mean(axis=0)
+    few, ways = outermost(loads, np.sqrt(np.mean(stress**2, axis=(0, 1))), about=middle)
     assert len(few) < 2000
-    off = np.abs(stress @ (loads - loads.mean(axis=0)).T)
-    beyond = off > least(stress.reshape(-1, 5)).reshape(40, 12, 1) * (1 + 1e-9)
+    off = np.abs(stress @ (loads - middle).T)
+    beyond = off > np.linalg.norm(stress @ ways, axis=-1)[..., None] * (1 + 1e-9)
     assert beyond.sum(axis=-1).max() <= len(few)
 
 
@@ -271,3 +276,62 @@ def test_what_breaks_at_once_does_endless_damage_and_is_told_without_a_warning()
 
     damage, _ = plane_damage(unit, normals, [one], harm=broken, closely=0.0)
     assert damage.tolist() == [np.inf, 0.0]
+
+
+def on_every_plane(unit, normals, loads):
+    """The damage (m,) of one pass (t, c), every cycle counted on all 36 planes."""
+    stress = on_planes(unit, plane_directions(normals)) @ loads.T
+    amplitude, _ = counted(stress.reshape(-1, len(loads)))
+    return CURVE.damage(amplitude).sum(axis=1).reshape(stress.shape[:2]).max(axis=1)
+
+
+@pytest.mark.parametrize("orders", [(2,), (1, 2), (1, 2, 4), (2, 4, 6)])
+def test_a_turn_does_what_it_does_on_its_worst_plane(orders):
+    """Random waves: of three orders the three planes of the largest cycle missed 43 %."""
+    random, theta = np.random.default_rng(2), 2 * np.pi * np.arange(64) / 64
+    for _ in range(30):
+        waves = random.standard_normal((len(orders), 3, 2)) @ [1, 1j]
+        waves *= random.lognormal(0, 1, (len(orders), 1))
+        loads = sum(
+            np.real(np.outer(np.exp(1j * k * theta), w)) for k, w in zip(orders, waves, strict=True)
+        )
+        unit, normals = random.standard_normal((5, 3, 6)), random.standard_normal((5, 3))
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        unit *= 150e6 / np.abs(unit @ np.ones(6) @ loads.T).max()
+        told, _ = plane_damage(unit, normals, [Pass(loads[None])], harm=harm, closely=0)
+        assert told == pytest.approx(on_every_plane(unit, normals, loads), rel=1e-9)
+
+
+def test_a_road_does_what_it_does_on_its_worst_plane():
+    """Three axes in bands of their own, and blows: within 1 % of all planes; 5 % were missed."""
+    random, missed = np.random.default_rng(3), []
+    for _ in range(12):
+        loads = np.cumsum(random.standard_normal((1500, 3)), axis=0)
+        for axis, width in enumerate(random.integers(3, 60, 3)):
+            loads[:, axis] -= np.convolve(loads[:, axis], np.ones(width) / width, mode="same")
+        loads /= loads.std(axis=0)
+        at = random.integers(0, 1400)
+        loads[at : at + 40] += np.outer(np.sin(np.arange(40)), random.normal(scale=6, size=3))
+        unit, normals = random.standard_normal((5, 3, 6)), random.standard_normal((5, 3))
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        unit *= 200e6 / np.abs(unit @ np.ones(6) @ loads.T).max()
+        told, _ = plane_damage(unit, normals, [Pass(loads[None])], harm=harm, closely=0)
+        missed.append(1 - told / on_every_plane(unit, normals, loads))
+    assert np.max(missed) < 0.01
+
+
+def test_the_same_passage_twice_does_the_same_harm():
+    """A fresh eye's history: one hard pull among 107 softer ones on other planes, once and twice.
+
+    Written twice it did 1.45 times as much in a second: planes were chosen by how long it is.
+    """
+    unit = np.zeros((1, 3, 6))
+    unit[0, 0, 0], unit[0, 1, 1] = 1e5, 1e5
+    pulls = np.zeros((216, 3))
+    pulls[1::2, 1], pulls[0, 0] = 1200, 1500
+    once, twice = (
+        plane_damage(unit, [[0, 0, 1]], [Pass(np.tile(pulls, (k, 1))[None], 1 / k)], harm=harm)[0]
+        for k in (1, 2)
+    )
+    assert once == pytest.approx(twice, rel=1e-6)
+    assert once == pytest.approx(on_every_plane(unit, [[0, 0, 1]], pulls))

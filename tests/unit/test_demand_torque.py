@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from cardan.base.errors import DesignError
-from cardan.demand.torque import brake_torque, gears, governing_torque, low_gear_torque
+from cardan.demand.torque import (
+    brake_torque,
+    brake_torques,
+    gears,
+    governing_torque,
+    low_gear_torque,
+)
 from cardan.model.vehicle import Axle, Engine, Gearbox, Tyre
 
 ENGINE = Engine(speed=(100.0, 150.0, 200.0), torque=(900.0, 1000.0, 800.0), brake_torque=300.0)
@@ -82,3 +88,12 @@ def test_j3311_multiplies_all_its_factors():
 def test_impossible_parts_are_refused(part):
     with pytest.raises(DesignError):
         part()
+
+
+def test_a_low_range_multiplies_what_a_retarder_ahead_of_it_holds():
+    gearbox = Gearbox(
+        ratios=(6.0, 1.0), efficiency=0.9, retarder_torque=800.0, transfer_ratio=1.5
+    )  # fmt: skip
+    engine = replace(ENGINE, brake_torque=250.0)
+    wanted = [250 * i * low / 0.9 + 800 * low for low in (1.0, 1.5) for i in (6.0, 1.0)]
+    np.testing.assert_allclose(brake_torques(engine, gearbox), wanted, rtol=1e-14)

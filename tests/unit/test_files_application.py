@@ -371,7 +371,7 @@ def test_several_lines_each_have_their_own():
     assert (main.axle.ratio, main.axle.efficiency) == (4.1, 0.96)
     assert between.axle.pinion_joint == pytest.approx((-0.4, -0.03))
     assert between.output_joint == pytest.approx((0.35, 0.12))
-    assert (main.torque_ratio, between.torque_ratio) == (1, 0.5)
+    assert (main.torque_share, between.torque_share) == (1, 0.5)
     assert [j.name for j in between.line.joints] == ["SPL100", "SPL100"]
     assert list(application.states[0].layouts) == ["inter-axle"]
     (obstacle,) = application.obstacles

@@ -359,7 +359,8 @@ def test_no_point_of_a_cycle_asks_for_more_than_full_power(name, truck):
     power *= application.gearbox.efficiency
     shown = replace(application, states=application.states[:3])
     asked = demand(resolve(shown, application.lines[0]))
-    torque = max(asked.torque) / application.lines[0].torque_ratio
+    line = application.lines[0]
+    torque = max(asked.torque) / (line.torque_ratio * line.torque_share)
     for p in cycle_points(cycle(name), torque=torque, speed=application.speed):
         assert p.torque * p.speed <= power
 

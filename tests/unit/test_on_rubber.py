@@ -177,6 +177,17 @@ def test_a_duty_is_told_how_far_it_stays_off_the_modes_of_the_closed_form(tmp_pa
         assert row["verdict"] == "warn"
 
 
+@pytest.mark.parametrize(("include", "off"), [("", 1.0), ("include: [unbalance]\n", 0.0)])
+def test_order_1_meets_a_mode_where_unbalance_counts(tmp_path, include, off):
+    """At the mode's own 1103.8 rpm (METHOD 15: order 2 meets it at half of that)."""
+    duty = "duty: [{share_percent: 100, torque_Nm: 1000, speed_rpm: 1103.8}]\n"
+    text = two_shafts().replace("limits: protractor\n", duty + include)
+    rows = [r for r in told(tmp_path, text)["checks"] if r["quantity"] == "resonance_distance"]
+    assert rows
+    for row in rows:
+        assert row["value"] == pytest.approx(off, abs=6e-3)
+
+
 @pytest.mark.parametrize(
     ("top", "driven", "half"), [(2300, 1750, 1750), (1600, 1750, 1600), (2300, 500, 2300)]
 )

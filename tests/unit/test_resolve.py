@@ -32,18 +32,17 @@ def test_the_vehicle_s_parts_are_where_the_line_finds_them():
 
 def test_each_line_has_its_own_share_and_obstacles():
     main, inter = (resolve(TANDEM, installed) for installed in TANDEM.lines)
-    assert inter.share == TANDEM.lines[1].torque_ratio
+    assert inter.share == TANDEM.lines[1].torque_share
     np.testing.assert_allclose(inter.gears.torque, inter.share * main.gears.torque, rtol=1e-14)
     beam = replace(TRUCK.obstacles[0], line="inter-axle")
     with_beam = replace(TANDEM, obstacles=(beam,))
     assert [len(resolve(with_beam, i).obstacles) for i in TANDEM.lines] == [0, 1]
 
 
-def test_an_axle_takes_its_share_of_what_its_line_carries():
+def test_a_line_takes_its_share_of_what_the_gearbox_gives():
     """A third of what a gear of 1.5 makes of the gearbox's torque, of the duty cycle's too."""
     (installed,) = TRUCK.lines
-    axle = replace(installed.axle, torque_share=1 / 3)
-    shared = replace(installed, torque_ratio=1.5, axle=axle, speed_ratio=0.8)
+    shared = replace(installed, torque_ratio=1.5, torque_share=1 / 3, speed_ratio=0.8)
     whole, half = (resolve(TRUCK, i) for i in (installed, shared))
     assert half.share == pytest.approx(0.5)
     np.testing.assert_allclose(half.gears.torque, 0.5 * whole.gears.torque, rtol=1e-14)

@@ -14,8 +14,11 @@ from scipy.optimize import minimize_scalar
 from cardan import files
 from cardan.base.units import deg, g, mm
 from cardan.demand.states import demand, demand_under, resolve
-from cardan.demand.suspension import axle_path, spring_load
+from cardan.demand.suspension import axle_path, spring_load, squat
+from cardan.model.application import State
+from cardan.quantity.points import Driven, driven, run
 from cardan.quantity.response import respond
+from cardan.study.notes import noted
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TRUCK = files.read(EXAMPLES / "medium-truck-4x2.yaml")
@@ -27,7 +30,7 @@ def asked(application=TRUCK):
     return demand(resolve(application, application.lines[0]))
 
 
-def rise(suspension, load, force, moved):
+def rise(suspension, load, force, moved, *, radius=RADIUS, ahead=1):
     """Where the potential of an axle is least, (m): springs, what they bear, what tyres pull."""
     own = (load - suspension.unsprung_mass * g) / suspension.springs_per_axle
     table = np.linspace(0, suspension.jounce_deflection or suspension.spring.deflection[-1], 20001)
@@ -40,7 +43,9 @@ def rise(suspension, load, force, moved):
         dx, pitch = axle_path(suspension.linkage, z)
         spring = suspension.springs_per_axle * np.interp(start + z, table, stored)
         return (
-            spring - (suspension.springs_per_axle * own + moved) * z + force * (dx - RADIUS * pitch)
+            spring
+            - (suspension.springs_per_axle * own + moved) * z
+            + force * (dx - ahead * radius * pitch)
         )
 
     found = minimize_scalar(
@@ -84,6 +89,78 @@ def test_it_stops_where_travel_ends():
     assert found.travel[0, j] == of.travel[j]
 
 
+def test_a_state_placed_or_pitched_by_hand_squats_as_what_it_repeats():
+    """Pitch that is given ends wind-up alone; a height that is given is where it stands at rest."""
+    again = [State(name="there", kind="gvw", travel=0.0),
+             State(name="pitched", kind="gvw", pitch=0.0)]  # fmt: skip
+    of = asked(replace(TRUCK, states=(*TRUCK.states, *again)))
+    found = demand_under(of, torque=np.full((1, len(of.states)), 5410.25), speed=0.0)
+    k, there, pitched = (of.states.index(n) for n in ("gvw", "there", "pitched"))
+    assert found.travel[0, k] > 40 * mm
+    assert found.travel[0, [there, pitched]] == pytest.approx(found.travel[0, k], rel=1e-12)
+    assert found.pitch[0, there] == pytest.approx(found.pitch[0, k], rel=1e-12)
+    assert found.pitch[0, pitched] == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize("kind", ["jounce", "full rebound"])
+def test_one_placed_by_hand_stops_where_its_stops_are(kind):
+    """Two millimetres from the bump stop, and from the strap."""
+    of = asked()
+    stop, up = of.travel[of.states.index(kind)], 1 if kind == "jounce" else -1
+    placed = State(name="t", kind="gvw", travel=float(stop - up * 2 * mm))
+    of = asked(replace(TRUCK, states=(*TRUCK.states, placed)))
+    found = demand_under(of, torque=np.full((1, len(of.states)), up * 5410.25), speed=0.0)
+    assert found.travel[0, -1] == pytest.approx(stop, abs=1e-12)
+
+
+def test_without_a_strap_it_hangs_on_its_springs():
+    """A heavy axle pulls them further than the inch below free of the state `rebound`."""
+    heavy = replace(TRUCK.suspension, full_rebound_deflection=None, unsprung_mass=2000.0)
+    found = squat(heavy, -0.19, axle_load=REAR, drawn=-2 * REAR, force=0, torque=0, stands=-0.01)
+    assert float(found) == pytest.approx(0.01 - 2000 * g / 2 / 165e3, abs=1e-12)
+
+
+def test_on_a_grade_springs_carry_what_is_left_of_the_weight():
+    """The transfer, less what the grade's cosine takes off the axle: 38.7 mm for 47.2."""
+    steep = replace(TRUCK, vehicle=replace(TRUCK.vehicle, grade=float(np.arctan(0.3))))
+    of = asked(steep)
+    k = of.states.index("gvw")
+    found = demand_under(of, torque=np.full((1, len(of.states)), 5410.25), speed=0.0)
+    force = 5410.25 * 3.91 * 0.95 / RADIUS
+    moved = force * HEIGHT / BASE - REAR * (1 - np.cos(np.arctan(0.3)))
+    assert found.travel[0, k] == pytest.approx(rise(TRUCK.suspension, REAR, force, moved), abs=1e-5)
+    assert found.travel[0, k] == pytest.approx(38.7 * mm, abs=0.1 * mm)
+
+
+def test_both_axles_of_a_4x4_squat_by_what_all_its_wheels_push():
+    """The engine's 1637.8 N m, shared 0.6 to 0.4: 17.1 kN push, of which the front slips at none.
+
+    The front holds mu N, which shrinks by what all wheels push: F/s h/L where it pushes s of it.
+    So it is with the rear where it holds back.
+    """
+    pick_up = files.read(EXAMPLES / "pick-up-4x4.yaml")
+    torque, base, height = 400 * 4.31 * 0.95, 3.2, 0.76
+    push = torque * 3.91 * 0.96 / 0.36
+    for line, share, load, way in zip(
+        pick_up.lines, (0.6, 0.4), (1750 * g, 1250 * g), (1, -1), strict=True
+    ):
+        of = demand(resolve(pick_up, line))
+        k = of.states.index("windup")
+        assert of.torque[k] == pytest.approx(share * torque, rel=1e-12)
+        springs = line.suspension or pick_up.suspension
+        moved = way * push * height / base
+        expected = rise(springs, load, share * push, moved, radius=0.36, ahead=way)
+        assert of.travel[k] == pytest.approx(expected, abs=1e-5)
+    lever = 0.9 * height / base
+    front, rear = (
+        0.9 * load / (1 + lever / share) * 0.36 / 3.91
+        for load, share in ((1250 * g, 0.4), (1750 * g, 0.6))
+    )
+    assert of.slip_torque[k] == pytest.approx(front / 0.96, rel=1e-12)
+    back = demand(resolve(pick_up, pick_up.lines[0])).standing.slip_back
+    assert back[k] == pytest.approx(rear * 0.96, rel=1e-12)
+
+
 @pytest.mark.parametrize(
     "held",
     [
@@ -100,6 +177,10 @@ def test_where_nobody_knows_or_asks_it_stays(held):
     of = asked(replace(TRUCK, **held))
     found = demand_under(of, torque=np.full((1, len(of.states)), 3000.0), speed=0.0)
     np.testing.assert_array_equal(found.travel[0], of.travel)
+    application = replace(TRUCK, **held)
+    unsaid = map(str, noted(application, [respond(application, of)]))
+    told = [n for n in unsaid if "is not moved on its springs" in n]
+    assert len(told) == (0 if "suspension" in held else 1)
 
 
 def test_a_file_may_leave_it_out():
@@ -119,3 +200,29 @@ def test_a_states_force_depends_on_no_other_state():
     k = among.demand.states.index("windup")
     force = among.bearing_force("peak")[k], by_itself.bearing_force("peak")[0]
     assert force[0] == pytest.approx(force[1], rel=1e-6)
+
+
+def test_shafts_are_balanced_for_the_speed_of_their_own_line():
+    """Half of what turns at the gearbox, behind a transfer case that halves it."""
+    (installed,) = TRUCK.lines
+    slow = replace(TRUCK, speed=400.0, lines=(replace(installed, speed_ratio=0.5),))
+    assert respond(slow, asked(slow)).balanced_at == pytest.approx(200.0)
+
+
+def test_a_drive_carries_what_each_instants_torque_makes_of_the_axle():
+    """Torque that comes and stays: what an operating point there carries, the axle squatting."""
+    r = respond(TRUCK, asked())
+    k, torque, speed = r.demand.states.index("gvw"), 5410.25, 15.0
+    there = demand_under(r.demand, torque=np.full((1, len(r.demand.states)), torque), speed=speed)
+    point = run(r, there, r.lay(there), inertia=False).peak[0, k]
+    time = np.linspace(0, 0.1, 50)
+    comes = torque * np.minimum(time / 0.08, 1)
+    drive = Driven(time=time, turned=speed * time, torque=comes, speed=0 * time + speed)
+    steady, _ = driven(r, drive, state=k)
+    np.testing.assert_allclose(steady[-1], point, rtol=0.01)
+    same = Driven(time=time, turned=speed * time, torque=comes[-1:] + 0 * time, speed=drive.speed)
+    steady, _ = driven(r, same, state=k)
+    np.testing.assert_allclose(steady[-1], point, rtol=0.01)
+    small = Driven(time=time, turned=speed * time, torque=0 * time + 1, speed=0 * time + speed)
+    weight, _ = driven(r, small, state=k)  # and no thrust of another torque
+    assert weight[-1] < 0.2 * point

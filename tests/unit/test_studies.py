@@ -7,12 +7,12 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor
 from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from itertools import pairwise
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children
 from pathlib import Path
 
 import numpy as np
@@ -611,7 +611,7 @@ def test_threads_and_processes_come_to_the_same_bits():
     variants = variants_of(VARY, TOLERANCES, ask=replace(ASK, rows=None))
     alone = study(application(), variants, count=300, shard=60)
     same(alone, study(application(), variants, count=300, shard=60, workers=3))
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+    with shards.workers_of("processes", 2) as pool:
         same(alone, study(application(), variants, count=300, shard=60, executor=pool, workers=2))
 
 
@@ -632,6 +632,32 @@ def test_a_killed_process_is_told_and_what_is_done_is_kept(tmp_path):
             application(), variants, count=600, shard=60, folder=tmp_path, executor=pool, hear=kill
         )
     same(whole, study(application(), variants, count=600, shard=60, folder=tmp_path, resume=True))
+
+
+def cut_short():
+    """End as a process killed half-way through what it says."""
+    at = sys._getframe()
+    while at and "pipe" not in at.f_locals:
+        at = at.f_back
+    assert at
+    os.write(at.f_locals["pipe"].fileno(), (1 << 20).to_bytes(4, "big") + b"half")
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="has no such signal")
+def test_nobody_waits_for_the_rest_of_what_a_killed_process_was_saying():
+    with shards.Processes(2) as pool:
+        killed, other = pool.submit(cut_short), pool.submit(pow, 2, 10)
+        assert isinstance(killed.exception(timeout=120), BrokenExecutor)
+        assert other.result(timeout=120) == 1024
+
+
+def test_what_goes_wrong_in_a_process_is_told_with_where():
+    with shards.Processes(1) as pool, pytest.raises(ZeroDivisionError) as told:
+        pool.submit(divmod, 1, 0).result()
+    assert "fn(*args, **kwargs)" in told.value.__notes__[0]
+    with shards.Processes(1) as pool, pytest.raises(TypeError, match="code"):
+        pool.submit(compile, "lambda: 0", "", "eval").result()
 
 
 ORPHANED = """

@@ -147,6 +147,7 @@ class Line:
     axles_behind: float  # axles this line turns
     load_share: float = 1.0  # of the group's driven load that is on its wheels
     torque_share: float = 1.0  # of the gearbox output's torque
+    push: float = 1.0  # part of what all driven wheels push that its own do
     speed_ratio: float = 1.0
     drives: str = "rear"
     output: tuple | None = None  # (x, z) of joint 1 from the wheel centre it rides on
@@ -321,6 +322,7 @@ THROUGH = Line(
     axles_behind=1,
     load_share=0.5,
     torque_share=0.5 * 0.8,
+    push=0.5,
     speed_ratio=1.25,
     output=(12.5 * inch, 0.095),
     pinion_bearings=(0.170, 5.2 * inch),
@@ -465,6 +467,7 @@ REAR = Line(
     pinion=(-0.470, -0.035),
     axles_behind=1,
     torque_share=0.62 * 1.1,
+    push=0.62,
     speed_ratio=0.91,
     gearbox_bearings=(6.2 * inch, 3.3 * inch),
     pinion_bearings=(0.155, 0.121),
@@ -490,6 +493,7 @@ FORWARD = Line(
     pinion=(-0.260, 0.060),
     axles_behind=1,
     torque_share=0.38 * 1.06,
+    push=0.38,
     speed_ratio=0.95,
     drives="front",
     springs="front",
@@ -680,6 +684,14 @@ def loads_on(truck, line, state):
     still = group(*load_at_rest(truck, load))
     drive = group(*load_at_slip(truck, load, truck.friction, *shares))
     coast = group(*load_at_slip(truck, load, -truck.friction, *shares))
+    # Where others unload this group, they push as little as the line's share leaves them.
+    most, alone = {"drive": drive, "coast": coast}, line.load_share / line.push
+    if line.drives == "front":
+        lone = load_at_slip(truck, load, truck.friction, alone * truck.driven_front, 0.0)
+        most["drive"] = max(drive, group(*lone))
+    if line.drives == "rear":
+        lone = load_at_slip(truck, load, -truck.friction, 0.0, alone * truck.driven_rear)
+        most["coast"] = max(coast, group(*lone))
     on_air = sum(a for a, _ in load.auxiliary)
     height = load.height / truck.wheelbase
     pulls, drags = (
@@ -703,10 +715,15 @@ def loads_on(truck, line, state):
     return {
         "axle": still / axles,
         "rest": line.load_share * still,
-        "drive": line.load_share * drive,
-        "coast": line.load_share * coast,
+        "drive": line.load_share * most["drive"],
+        "coast": line.load_share * most["coast"],
         "brake": brake / axles,
-        "onto": {"drive": onto * pulls, "coast": onto * drags, "brake": onto * all_brake},
+        "onto": {
+            "newton": onto / state.times,
+            "all wheels": sorted([onto * pulls, onto * drags]),
+            "brake": onto * all_brake,
+            "slope": (group(*load_at_rest(truck, load, truck.grade)) - still) / axles,
+        },
     }
 
 
@@ -794,8 +811,11 @@ def suspension_frequency(springs, axle_load):
     return sqrt(rate / (load / g)) / (2 * pi)
 
 
-def axle_motion(truck, line, state, load, torque):
-    """Rise, rearward motion (m) and pitch (rad, pinion nose up) from the reference state."""
+def axle_motion(truck, line, state, load, torque, *, driven=0.0):
+    """Rise, rearward motion (m) and pitch (rad, pinion nose up) from the reference state.
+
+    States of wind-up are moved by their torque, others by what drives them, if anything does.
+    """
     springs = truck.springs[line.springs]
     if state.kind:
         at_reference = nan
@@ -809,18 +829,23 @@ def axle_motion(truck, line, state, load, torque):
     through_axle = line.axle_ratio / line.axles_behind
     housing = 0.0
     if state.kind == "windup":
+        driven = torque["torque"]
+    if driven and state.kind != "windup brake":
         # The wheels push the ground back; the housing turns a nose that faces ahead up.
-        housing = torque["torque"] * through_axle * line.axle_efficiency
-        moved = load["onto"]["drive"] * torque["torque"] / torque["slip"]
+        housing = driven * through_axle * line.axle_efficiency
+        push = housing * line.axles_behind / truck.static_radius / line.push
+        least, most = load["onto"]["all wheels"]
+        moved = min(max(load["onto"]["newton"] * push, least), most)
     if state.kind == "windup brake":
         held = springs.brake - torque["torque"] * through_axle / line.axle_efficiency
         grip = truck.friction * truck.static_radius * load["brake"]
         housing = -(min(held, grip) if springs.brake else grip)
         moved = load["onto"]["brake"] * -housing / grip
-    if housing and isnan(state.pitch):
+    if housing and state.kind:  # its springs hold it
+        moved += load["onto"]["slope"]
         rise += squat(springs, line.ahead, rise, load["axle"], moved, housing, truck.static_radius)
     rearward, pitch = led(springs, rise)
-    pitch += line.ahead * housing / springs.windup if housing else 0.0
+    pitch += line.ahead * housing / springs.windup if housing and isnan(state.pitch) else 0.0
     if not isnan(state.pitch):
         pitch = state.pitch
     return rise, rearward, pitch
@@ -1375,10 +1400,10 @@ def fatigue(joint, highest, lowest):
     return swing / joint.reversing + mean * (2 / joint.pulsating - 1 / joint.reversing)
 
 
-def life(truck, line, joint, angle):
+def life(truck, line, joint, angles):
     """Hours of a joint over the duty cycle: L = 1.5e6/(n beta K1) (Td/T)^(10/3)."""
     damage = 0.0
-    for share, torque, turning, own in truck.duty:
+    for (share, torque, turning, own), angle in zip(truck.duty, angles, strict=True):
         beta = max(3.0, (angle if isnan(own) else own) / deg)
         n = turning * line.speed_ratio / rpm
         T = torque * line.torque_share
@@ -1429,6 +1454,16 @@ def one_state(truck, line, state, whirl):
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     travel = lengths[-1] - line.shafts[-1].length
     beta = [angle_between(d[k], d[k + 1]) for k in range(n)]
+    # As the torque of each point of the duty cycle has the axle: of a state driven in for long.
+    worn = [beta] * len(truck.duty)
+    if state.kind not in RARE and line.name not in state.slopes and line.drives != "all":
+        motions = (
+            axle_motion(truck, line, state, load, torque, driven=T * line.torque_share)
+            for _, T, _, _ in truck.duty
+        )
+        turns = [ridden(line, motion)[1] for motion in motions]
+        worn = [[angle_between(d[k], d[k + 1]) for k in range(n)] for d in turns]
+    worn = list(zip(*worn, strict=True))
     side, top = view_angles(d)
     place = [atan2(v, h) % (2 * pi) for v, h in zip(side, top, strict=True)]
     inertias = [s.polar_inertia for s in line.shafts]
@@ -1485,7 +1520,7 @@ def one_state(truck, line, state, whirl):
         say("joint_torque_utilisation", part, sized[k] / joint.peak)
         say("joint_fatigue_utilisation", part, fatigue(joint, max(T, 0), -torque["coast"]))
         if state.kind not in RARE:
-            say("joint_life", part, 3600 * life(truck, line, joint, beta[k]))
+            say("joint_life", part, 3600 * life(truck, line, joint, worn[k]))
         say("n_beta", part, w * beta[k])
         say("joint_speed", part, w)
         say("joint_position", part, place[k])
@@ -1579,7 +1614,7 @@ def one_state(truck, line, state, whirl):
                 "side_deg": side[k] / deg,
                 "top_deg": top[k] / deg,
                 "force_N": crest(joint_forces[k]),
-                "life_h": nan if state.kind in RARE else life(truck, line, line.joints[k], beta[k]),
+                "life_h": nan if state.kind in RARE else life(truck, line, line.joints[k], worn[k]),
             }
             for k in range(n)
         ],

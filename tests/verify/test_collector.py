@@ -355,7 +355,7 @@ def test_the_crack_is_where_the_surface_suffers_most(tmp_path):
     rows = np.column_stack([time, force])
     np.savetxt(tmp_path / "b.csv", rows, "%.7g", ",", header="time_s,x_N,y_N,z_N", comments="")
     text = of.identification.text().replace(
-        "  fatigue:", "  recordings: [{name: morning, file: b.csv}]\n  fatigue:"
+        "  fatigue:", "  recordings: [{name: morning, file: b.csv, from_gauges: true}]\n  fatigue:"
     )
     (tmp_path / "a.yaml").write_text(text)
     judged = study(files.read(tmp_path / "a.yaml")).variants[0]
@@ -376,15 +376,16 @@ def test_the_crack_is_where_the_surface_suffers_most(tmp_path):
 def test_what_the_bend_is_promised_is_what_the_page_says(tmp_path):
     """Step 6: between its hours lie those that CalculiX has under what the engine then drove.
 
-    In the bend of both legs, which are alike: what elements tell of one may leave the truth out.
-    Beside the washers nobody knows it.
+    In the bend of each leg, which are alike; of elements alone one left the truth out. Beside the
+    washers nobody knows it.
     """
     from cardan.study.bracket import study
 
     asked = ["life", str(CASE / "promise.yaml"), "--changed-history", str(tmp_path / "cured.csv")]
     CliRunner().invoke(cli, asked)
     text = (CASE / "cured.yaml").read_text().replace(
-        "  fatigue:", "  recordings: [{name: promised, file: cured.csv}]\n  fatigue:"
+        "  fatigue:",
+        "  recordings: [{name: promised, file: cured.csv, from_gauges: true}]\n  fatigue:",
     )  # fmt: skip
     (tmp_path / "a.yaml").write_text(text)
     judged = study(files.read(tmp_path / "a.yaml")).variants[0]
@@ -400,7 +401,7 @@ def test_what_the_bend_is_promised_is_what_the_page_says(tmp_path):
     ends = np.array([leg.hours_within for leg in legs])
     assert (ends.min(), ends.max()) == pytest.approx((low, high), rel=1 / 3)
     assert life.hours == pytest.approx(hours, rel=1 / 3)  # nowhere less
-    assert low < true < high
+    assert all(one < true < other for one, other in ends)
 
 
 def told(sentence):

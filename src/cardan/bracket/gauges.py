@@ -1,7 +1,8 @@
 """Virtual strain gauges: what they read under unit loads, and what their readings say back."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +18,15 @@ _STEPS = 4
 """Steps to either side that a grid is followed in, along a surface that may be bent."""
 _OFF = 0.5
 """Of a step, how far off the surface it may end: over an edge it ends a whole one off."""
+
+_FACTOR = 0.01
+"""Share by which any gauge may read too much or too little: what is printed on a packet of them."""
+
+FELT = 0.2
+"""Share of what the load that gauges feel most does to them, below which the least load is not read
+back: what a wire has of noise would stand for it."""
+_BETWEEN, _NOTHING = 101, 1e-9
+"""Flanges between the two that are tried; and the share of what gauges read that is nothing."""
 
 _ASTRAY = 0.45
 """Of the sheet, how far off its surface a gauge's point may lie: in its middle nobody knows which
@@ -38,6 +48,37 @@ def influence(units: Units, gauges: Sequence[Gauge]) -> FloatArray:
         return np.zeros((0, len(units.displacements)))
     motion = units.elastic.motion_at_nodes(units.displacements)
     return np.stack([_reading(units, motion, gauge) for gauge in gauges])
+
+
+def misplaced(units: Units, gauges: Sequence[Gauge]) -> FloatArray:
+    """Strains (g, 9) by which gauges may read the unit loads wrong, by where they are glued.
+
+    Each as far off its place, along its grid and across, and as much askew as it may be, all by
+    chance; and the scatter of what gauges make of a strain. Where there is no place so far off, on
+    the other side; on neither, none.
+    """
+    if not gauges:
+        return np.zeros((0, len(units.displacements)))
+    motion = units.elastic.motion_at_nodes(units.displacements)
+    nodes = units.elastic.nodes
+    found: list[FloatArray] = []
+    for gauge in gauges:
+        right = _reading(units, motion, gauge)
+        normal = nearest(nodes, [gauge.point]).normals[0]
+        along = _laid(gauge, np.asarray(gauge.direction), normal)
+        across = np.cross(normal, along)
+        wrong = [(gauge.off * way, 0.0) for way in (along, across)] + [(0 * along, gauge.askew)]
+        off = [_FACTOR * right]
+        for step, turn in wrong:
+            for sign in (1, -1):
+                x, y, z = np.asarray(gauge.point) + sign * step
+                way = np.cos(turn) * along + sign * np.sin(turn) * across
+                other = replace(gauge, point=(x, y, z), direction=tuple(way))
+                with suppress(DesignError):
+                    off.append(_reading(units, motion, other) - right)
+                    break
+        found.append(np.linalg.norm(off, axis=0))
+    return np.stack(found)
 
 
 def _reading(units: Units, motion: FloatArray, gauge: Gauge) -> FloatArray:
@@ -112,8 +153,17 @@ class Recovered:
         Standard deviation of each load for readings with one microstrain of noise.
     inverse : (c, g) N
         What strain of each gauge makes of each load.
-    unsure : (c,) 1/N
-        Strain by which any gauge may read a unit of each load wrong.
+    influence : (g, c) 1/N
+        Strain of each gauge under a unit of each load.
+    unsure : (g, c) 1/N
+        Strain by which each gauge may read a unit of each load wrong.
+    unexplained : float
+        Share of what gauges read that their loads do not explain, its part in the loads with it;
+        nothing where there are no more gauges than loads, and nobody knows.
+    flange : float
+        How it is held, between sliding, 0, and clamped, 1, as far as gauges can tell.
+    held_off : (c, c)
+        By how much each load may be off for a unit of each, for a flange held otherwise.
     """
 
     loads: FloatArray
@@ -121,17 +171,34 @@ class Recovered:
     condition: float
     noise: FloatArray
     inverse: FloatArray
+    influence: FloatArray
     unsure: FloatArray
+    unexplained: float
+    flange: float
+    held_off: FloatArray
 
-    def misread(self, size: FloatArray) -> float:
-        """Return the strain by which any gauge may read loads (c,) N wrong, each load by chance."""
-        return float(np.linalg.norm(self.unsure * size))
+    def misread(self, size: FloatArray) -> FloatArray:
+        """Return the strain (g,) by which gauges may read loads (c,) N wrong, each load by chance.
+
+        The more of what is foretold of each and what no load explains of all: of the same errors
+        the one tells before what the other tells after.
+        """
+        left = self.unexplained * np.sqrt(np.mean(((self.influence * size) ** 2).sum(axis=1)))
+        return np.maximum(np.linalg.norm(self.unsure * size, axis=1), left)
 
     @property
     def off(self) -> FloatArray:
-        """How much each load (c,) N may be off where they are largest, each gauge by chance."""
-        size = np.abs(self.loads.reshape(-1, len(self.noise))).max(axis=0)
-        return np.linalg.norm(self.inverse, axis=1) * self.misread(size)
+        """How much each load (c,) N may be off where they are largest."""
+        return np.linalg.norm(
+            self.ways_off(np.abs(self.loads).reshape(-1, len(self.noise)).max(0)), axis=1
+        )
+
+    def ways_off(self, size: FloatArray) -> FloatArray:
+        """Return how loads (c,) N may be off, (c, g + c) N: by each gauge, by each for the flange.
+
+        One of them each is by chance.
+        """
+        return np.concatenate([self.inverse * self.misread(size), self.held_off * size], axis=1)
 
 
 def recover(
@@ -150,8 +217,8 @@ def recover(
         columns of `influence`: loads of one kind, so that their gains compare.
     strains : (..., g)
         Readings, whatever came before them: a history, a set of cases.
-    unsure : (c,)
-        Strain by which the influence of any gauge may be off, by load; none where it is exact.
+    unsure : (c,) or (g, c)
+        Strain by which the influence of gauges may be off, by load; none where it is exact.
     worst
         Refuse to answer above this condition.
 
@@ -180,11 +247,59 @@ def recover(
     inverse = (V.T / gains) @ U.T
     found = strains @ inverse.T
     left = strains - found @ B.T
+    spread = [float((np.square(s - s.mean(axis=0))).sum()) for s in (
+        left.reshape(-1, gauges), strains.reshape(-1, gauges)
+    )]  # fmt: skip
+    spare = gauges - loads
     return Recovered(
         loads=found,
         residual=np.sqrt((left**2).mean(axis=-1)),
         condition=condition,
         noise=1e-6 * np.sqrt((inverse**2).sum(axis=-1)),
         inverse=inverse,
-        unsure=np.zeros(loads) if unsure is None else np.asarray(unsure, dtype=float),
+        influence=B,
+        unsure=np.broadcast_to(0.0 if unsure is None else np.asarray(unsure, float), B.shape),
+        unexplained=np.sqrt(spread[0] / spread[1] * gauges / spare) if spare and spread[1] else 0.0,
+        flange=0.0,
+        held_off=np.zeros((loads, loads)),
     )
+
+
+def recover_held(
+    sliding: FloatArray, clamped: FloatArray, strains: FloatArray, *, unsure: FloatArray
+) -> Recovered:
+    """Find loads by gauges on a flange held nobody knows how, between two ways.
+
+    By that influence between theirs, (g, c) each, that leaves least of strains (t, g) unexplained;
+    where there are no more gauges than loads, or nothing moves, by the sliding one. `unsure` (g, c)
+    is that of either. What is off by chance may look like another flange: by so much it may be.
+    """
+    change, shares = clamped - sliding, np.linspace(0, 1, _BETWEEN)
+    moves = np.cov(strains.T, bias=True)
+    left = [float(np.trace(_unread(sliding + share * change) @ moves)) for share in shares]
+    tells = left[0] > _NOTHING * np.trace(moves)
+    share = float(shares[int(np.argmin(left))]) if tells else 0.0
+    back = recover(sliding + share * change, strains, unsure=unsure)
+    swings = np.cov(back.loads.T, bias=True)
+    seen = float(np.trace(_unread(back.influence) @ change @ swings @ change.T))
+    chance = float(np.sqrt(np.mean(back.misread(np.sqrt(swings.diagonal())) ** 2)))
+    off = min(1.0, chance / np.sqrt(seen)) if seen > _NOTHING * np.trace(moves) else 1.0
+    return replace(back, flange=share, held_off=off * back.inverse @ change)
+
+
+def _unread(influence: FloatArray) -> FloatArray:
+    """Return what of strains (g, g) no load explains."""
+    return np.eye(len(influence)) - influence @ np.linalg.pinv(influence)
+
+
+def reread(
+    sliding: FloatArray, clamped: FloatArray, loads: FloatArray, *, unsure: FloatArray
+) -> Recovered:
+    """Return loads (t, c) that somebody read by the sliding influence, and how they may be off.
+
+    He read the least load that gauges feel, and had the rest from elsewhere. What gauges read is
+    gone, so nobody knows what was left unexplained, or how the flange was held.
+    """
+    back = recover(sliding, loads @ sliding.T, unsure=unsure)
+    inverse = np.linalg.pinv(sliding, rcond=FELT)
+    return replace(back, loads=loads, inverse=inverse, held_off=inverse @ (clamped - sliding))

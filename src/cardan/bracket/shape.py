@@ -38,6 +38,8 @@ _TIE = 0.01
 """mm, by which another face may be farther from a point that picks one."""
 _PAD = 4.0
 """Radii of a hole, from its axis, that a pad about it may reach."""
+_ROUND = 0.75
+"""Of a turn that a bolt's hole goes at least, cut into or not; a slot's end goes by half."""
 _WIDE = 3.0
 """Times its thickness, a round whose elements that thickness bounds, and not its radius alone."""
 _NEAR = 1e-3  # mm: faces of a drawing meet far closer, and none is smaller
@@ -342,6 +344,8 @@ def _from_step(part: StepShape) -> Solid:
             continue
         if name.startswith(END):
             continue
+        if bore is not None:
+            _all_round(bore, [faces[k] for k in walls], part, name)
         long += [_length(faces[k], bore) for k in walls]
         flat = sorted(mine - walls.keys())
         for k in flat:
@@ -613,6 +617,18 @@ def _length(wall: Any, bore: _Cylinder | None) -> float:
         float(np.dot((p.x, p.y, p.z), bore.axis)) for e in wall.edges for p in (e.start, e.end)
     ]
     return max(along) - min(along)
+
+
+def _all_round(bore: _Cylinder, walls: list[Any], part: StepShape, name: str) -> None:
+    """Refuse for a bolt what is round by a part of a turn alone, such as a slot's end."""
+    long = max(_length(wall, bore) for wall in walls)
+    goes = sum(wall.mass for wall in walls) / (2 * np.pi * bore.radius * long)
+    if goes < _ROUND:
+        msg = (
+            f"{name}: what is picked of {part.path} goes round its axis by {360 * goes:.0f} "
+            "degrees: of a slot nobody knows where its bolt sits, draw a round hole there"
+        )
+        raise DesignError(msg, about=_about(name))
 
 
 def _round_its_hole(body: Any, faces: list[Any], picked: int, part: StepShape, name: str) -> None:

@@ -19,7 +19,7 @@ from cardan.bracket.afar import too_high, too_stiff
 from cardan.bracket.apart import Crashed, Stopped, apart
 from cardan.bracket.elastic import IntArray, Nodes, Progress, silent
 from cardan.bracket.estimate import MEMORY, MINUTES, Estimate, Model, affordable, triangles
-from cardan.bracket.gauges import influence
+from cardan.bracket.gauges import influence, misplaced
 from cardan.bracket.joint import PATCH, Joint, condensed, forces_of
 from cardan.bracket.refine import (
     LEVELS,
@@ -114,6 +114,8 @@ class Held:
     frequencies, carried : Hz
         Natural frequencies, six by itself and with what it carries; of the clamped flange
         three and two.
+    bends : (k,) 1
+        Share of the energy of each mode with what it carries that bends it, and no rubber.
     too_high : (k,) 1
         Share by which the natural frequencies by itself may be above those of finer elements; of
         the clamped flange nobody asks it.
@@ -121,8 +123,8 @@ class Held:
         The same of the stiffness against each force.
     influence : (gauges, 9)
         Strain of each gauge.
-    unsure : (3,) 1/N
-        Strain by which any gauge may read a unit force wrong; of the clamped flange nobody asks it.
+    unsure : (gauges, 3) 1/N
+        Strain by which each gauge may read a unit force wrong, where forces are read from them.
     swing : Swing
         What comes on top where it is shaken.
     """
@@ -134,6 +136,7 @@ class Held:
     reactions: FloatArray
     frequencies: FloatArray
     carried: FloatArray
+    bends: FloatArray
     too_high: FloatArray
     too_stiff: FloatArray
     influence: FloatArray
@@ -323,7 +326,14 @@ def solve(task: Task, tell: Progress) -> Solved:
         read.append(sliding.influence)
     before, last = (of[:, :3] for of in read[-2:])
     changed = np.abs(last - before).max(axis=0, initial=0.0)
-    sliding = replace(sliding, influence=read[-1], unsure=changed)
+    if task.reads:
+        # How it is held is felt far from it, where any elements tell what it changes.
+        other = read[-1] + clamped.influence - sliding.influence
+        glued = misplaced(_units(body, done.last, size), task.gauges)[:, :3]
+        unsure = np.hypot(changed, glued)
+        clamped = replace(clamped, influence=other, unsure=unsure)
+        sliding = replace(sliding, unsure=unsure)
+    sliding = replace(sliding, influence=read[-1])
     return Solved(
         nodes=done.last.elastic.nodes,
         thickness=body.thickness,
@@ -391,19 +401,20 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
     own = shapes[:OWN]
     every = replace(units, displacements=np.concatenate([units.displacements, own]))
     read = influence(every, task.gauges)
-    carried = alone
+    carried, bends = alone, np.ones_like(alone)
     if task.carried_mass > 0:
-        carried = units.carried(alone, shapes, mass=task.carried_mass, rubber=task.rubber)
+        carried, bends = units.carried(alone, shapes, mass=task.carried_mass, rubber=task.rubber)
         carried = carried if many else carried[:2]
     return Held(
         hold=hold, zones=found.zones, unit=found.unit, compliance=units.compliance,
         reactions=units.reactions, frequencies=alone, carried=carried,
+        bends=bends,
         too_high=too_high(found.elastic, alone, shapes) if many else np.zeros(0),
         too_stiff=too_stiff(
             found.elastic, found.displacements[:3], units.compliance.diagonal()[:3]
         ),
         influence=read[:, : len(UNITS)],
-        unsure=np.zeros(3),
+        unsure=np.zeros((len(task.gauges), 3)),
         swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :], loss=task.loss),
     )  # fmt: skip
 

@@ -3,11 +3,11 @@
 Stresses are (..., 6) Pa: xx, yy, zz, xy, yz, zx.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 
 _CHUNK = 50_000
 """Stress states held at once while a history is searched: few enough to stay near a processor."""
@@ -127,6 +127,11 @@ class Extremes:
     """Maximum principal stress: tension, which opens cracks."""
     lowest: Extreme
     """Minimum principal stress."""
+
+    def at(self, points: IntArray) -> "Extremes":
+        """Return the same where the points searched were those of more (points,)."""
+        each = (self.von_mises, self.highest, self.lowest)
+        return Extremes(*(replace(e, point=int(points[e.point])) for e in each))
 
 
 def extremes(unit: ArrayLike, loads: ArrayLike) -> Extremes:

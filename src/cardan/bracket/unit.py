@@ -115,13 +115,14 @@ class Units:
         *,
         mass: float,
         rubber: ArrayLike | None = None,
-    ) -> FloatArray:
+    ) -> tuple[FloatArray, FloatArray]:
         """Natural frequencies (k,) Hz where a mass (kg) rides on the bearing, in three directions.
 
-        On rubber of stiffness (3,) N/m, or rigidly. By Rayleigh and Ritz, from the modes (k,) Hz,
-        (k, unknowns) without it, from what forces on the seat move, and from what the inertia of
-        that does: what modes beyond k add falls with the fourth power of their frequency. On rubber
-        right to rounding, else to 1e-5 where Lanczos from the start is right to 1e-10.
+        And the share of each mode's energy (k,) that bends the bracket, and no rubber. On rubber of
+        stiffness (3,) N/m, or rigidly. By Rayleigh and Ritz, from the modes (k,) Hz, (k, unknowns)
+        without it, from what forces on the seat move, and from what the inertia of that does: what
+        modes beyond k add falls with the fourth power of their frequency. On rubber right to
+        rounding, else to 1e-5 where Lanczos from the start is right to 1e-10.
         """
         seat, static = self.loads[:3], self.displacements[:3]
         heavy = np.stack([self.elastic.inert(u) for u in (*shapes, *static)])
@@ -141,8 +142,10 @@ class Units:
         ride = np.concatenate([at, soft])
         whole = mass * ride @ ride.T
         whole[: len(at), : len(at)] += white.T @ (moved @ heavy.T) @ white
-        squares = np.linalg.eigvalsh((whole + whole.T) / 2)[::-1][: len(frequencies)]
-        return 1 / np.sqrt(squares) / (2 * np.pi)
+        squares, shapes = np.linalg.eigh((whole + whole.T) / 2)
+        bent = (shapes[: len(at)] ** 2).sum(axis=0)
+        first = slice(-1, -1 - len(frequencies), -1)
+        return 1 / np.sqrt(squares[first]) / (2 * np.pi), bent[first]
 
 
 def seat_loads(solid: Elastic, *, face: str = SEAT) -> FloatArray:

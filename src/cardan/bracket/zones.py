@@ -180,7 +180,7 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     # Numbered over all the drawing has, so that a face keeps its number however it is held
     # and meshed.
     every_face = np.unique(nodes.face_numbers).tolist()
-    bolts = sorted({_bolt(str(n)) for n in names[on_held]})
+    bolts = sorted({_bolt(str(n)) for n in names[on_held]}, key=_counted)
     ranks = {SHEET: every_face, CUT: every_face, BORDER: bolts,
              TOE: np.unique(chains[line_kind == TOE]).tolist()}  # fmt: skip
     known = sorted(set(keys), key=lambda key: (key[0], ranks[key[0]].index(key[1])))
@@ -203,6 +203,11 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
         normals=np.concatenate([_normals(nodes)[own], lines.normals]),
         told_by=told_by,
     )
+
+
+def _counted(name: str) -> tuple[int, str]:
+    """Return what sorts names that end in a number as they count: bolt 2 before bolt 10."""
+    return len(name), name
 
 
 def _bolt(name: str) -> str:

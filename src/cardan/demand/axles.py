@@ -137,8 +137,8 @@ def at_slip(
 
     Notes
     -----
-    All driven wheels slip at once, as with locked differentials: the largest torque. Where
-    the front would lift it carries nothing and the rear all. Rolling resistance and air
+    All wheels of the shares slip at once. Where the front would lift it carries nothing and
+    the rear all. Rolling resistance and air
     drag are left out. On a slope start from its loads; W sin α needs no term of its own,
     for F holds it. Source: Gillespie (1992), ch. 2; Wong (2008), ch. 3; the form for shares
     of both groups is derived.
@@ -167,8 +167,12 @@ class LineLoads:
     braked : (...) N
         On its axle, with every wheel of the vehicle braked to its limit.
     drawn, drawn_back, drawn_braked : (...) N
-        What that has moved onto its axle, in traction, coast and braking; nan where nobody
-        says how high the centre of gravity is.
+        What moves onto its axle as all driven wheels slip, in traction and coast, and in
+        braking; nan where nobody says how high the centre of gravity is.
+    lever : (...) 1
+        What a newton that pushes the vehicle ahead moves there.
+    slope : (...) N
+        What the grade itself takes off it.
     """
 
     axle: FloatArray
@@ -179,6 +183,8 @@ class LineLoads:
     drawn: FloatArray
     drawn_back: FloatArray
     drawn_braked: FloatArray
+    lever: FloatArray
+    slope: FloatArray
 
 
 def line_loads(
@@ -187,13 +193,16 @@ def line_loads(
     *,
     drives: Drives = "rear",
     load_share: ArrayLike = 1.0,
+    push_share: ArrayLike = 1.0,
     friction: ArrayLike = 0.0,
     times: float = 1.0,
 ) -> LineLoads:
     """Return the loads felt by a line that drives a group of axles, N.
 
     At rest means on level ground, where the springs find their height; the slip limits are
-    those on the vehicle's grade.
+    those on the vehicle's grade. They are the most that its wheels can carry then: where what
+    the others push loads this group all slip at once, as with locked differentials, and
+    elsewhere they push no more than the line's share leaves them, as with one on ice.
 
     Parameters
     ----------
@@ -201,6 +210,8 @@ def line_loads(
         The vehicle and how it is loaded.
     drives, load_share
         The group of axles the line drives, and the share of their load behind it.
+    push_share
+        Share of what all driven wheels push that its own do.
     friction
         Of tyre on ground.
     times
@@ -216,12 +227,14 @@ def line_loads(
         msg = f"a {vehicle.drive} drives no {drives} axle for a line to turn"
         raise DesignError(msg, about="drives")
     level, slope = (axle_loads(vehicle, load, grade=a).scaled(times) for a in (0, vehicle.grade))
-    _, mu, part = floats(friction, load_share)
+    _, mu, part, pushes = floats(friction, load_share, push_share)
     driven_front, driven_rear = float(vehicle.driven_front > 0), vehicle.rear_share
 
     def driven(loads: AxleLoads) -> FloatArray:
         front, rear = driven_front * loads.front, driven_rear * loads.rear
         return {"rear": rear, "front": front, "all": front + rear}[drives]
+
+    height = 0.0 if load.cg_height is None else load.cg_height
 
     def limit(
         friction: ArrayLike, front: ArrayLike, rear: ArrayLike, auxiliary: float = 0.0
@@ -229,7 +242,7 @@ def line_loads(
         loads = at_slip(
             slope,
             friction=friction,
-            cg_height=0.0 if load.cg_height is None else load.cg_height,
+            cg_height=height,
             wheelbase=vehicle.wheelbase,
             front_share=front,
             rear_share=rear,
@@ -237,10 +250,15 @@ def line_loads(
         )
         return driven(loads)
 
-    traction, coast = (limit(k * mu, driven_front, driven_rear) for k in (1, -1))
+    drive, back = (limit(k * mu, driven_front, driven_rear) for k in (1, -1))
     braked = limit(-mu, 1.0, 1.0, 1.0)
+    own = part / pushes
+    lone_front, lone_rear = (own * driven_front, 0.0), (0.0, own * driven_rear)
+    traction = np.maximum(drive, limit(mu, *lone_front)) if drives == "front" else drive
+    coast = np.maximum(back, limit(-mu, *lone_rear)) if drives == "rear" else back
     known = np.nan if load.cg_height is None else 1.0
-    drawn = [known * (there - driven(slope)) / axles for there in (traction, coast, braked)]
+    drawn = [known * (there - driven(slope)) / axles for there in (drive, back, braked)]
+    onto = {"rear": driven_rear, "front": -driven_front, "all": driven_rear - driven_front}[drives]
     return LineLoads(
         axle=driven(level) / axles,
         rest=part * driven(level),
@@ -250,6 +268,8 @@ def line_loads(
         drawn=drawn[0],
         drawn_back=drawn[1],
         drawn_braked=drawn[2],
+        lever=known * onto * np.asarray(height) / vehicle.wheelbase / axles,
+        slope=(driven(slope) - driven(level)) / axles,
     )
 
 

@@ -71,6 +71,8 @@ class ResolvedLine:
         differential all that goes there.
     usual_share
         What it has of that torque while all wheels hold.
+    push_share
+        Part of what all wheels push that its own do, while it has its largest share.
     torque, coast_torque, speed : N m, N m, rad/s
         Of the gearbox output where the application says so, in place of engine and tyres.
     gears
@@ -94,6 +96,7 @@ class ResolvedLine:
     suspension: Suspension | None
     share: float
     usual_share: float
+    push_share: float
     torque: NewtonMetre | None
     coast_torque: NewtonMetre | None
     speed: RadianPerSecond | None
@@ -163,6 +166,7 @@ def resolve(application: Application, installed: Installed) -> ResolvedLine:
         suspension=suspension,
         share=share,
         usual_share=usual,
+        push_share=np.minimum(share / installed.torque_ratio, 1.0),
         torque=application.torque,
         coast_torque=application.coast_torque,
         speed=application.speed,
@@ -174,7 +178,7 @@ def resolve(application: Application, installed: Installed) -> ResolvedLine:
 
 def _usual_share(installed: Installed) -> float:
     """Return what a line has of the gearbox output's torque while all wheels hold."""
-    return installed.torque_ratio * (installed.axle.torque_share if installed.axle else 1.0)
+    return installed.torque_ratio * installed.torque_share
 
 
 def _largest_share(application: Application, installed: Installed) -> float:

@@ -71,6 +71,8 @@ class Standing:
         What it feels of the vehicle's weight.
     ride : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
         Where the springs have the axle.
+    stands : (..., S) m
+        Deflection of its springs where somebody holds it; nan where its load has it.
     yields : (S,)
         Where torque winds it up: the suspension places it, and nobody gives its pitch.
     squats : (S,)
@@ -83,6 +85,7 @@ class Standing:
     line: ResolvedLine
     loads: LineLoads
     ride: Ride
+    stands: FloatArray
     yields: BoolArray
     squats: BoolArray
     slip: FloatArray
@@ -101,7 +104,7 @@ class Standing:
         )
         travel = np.asarray(self.ride.shift)[..., 2]
         if self.squats.any():
-            travel = self._squatting(torque, on_axle, coasts=coasts, brakes=brakes)
+            travel = self._squatting(on_axle, brakes=brakes)
         return self.at(on_axle, travel)
 
     def at(self, on_axle: FloatArray, travel: FloatArray) -> Ride:
@@ -114,44 +117,38 @@ class Standing:
             ride = replace(
                 ride,
                 shift=np.where(self.squats[..., None], moved, ride.shift),
-                pitch=np.where(self.squats, pitch, ride.pitch),
+                pitch=np.where(self.squats & self.yields, pitch, ride.pitch),
             )
         wound = np.asarray(ride.pitch) + self.line.ahead * np.asarray(_pitch(self.line, on_axle))
         stays = ~self.yields | np.isnan(wound)
         return replace(ride, pitch=np.where(stays, ride.pitch, wound))
 
-    def _squatting(
-        self, torque: FloatArray, on_axle: FloatArray, *, coasts: ArrayLike, brakes: ArrayLike
-    ) -> FloatArray:
+    def _squatting(self, on_axle: FloatArray, *, brakes: ArrayLike) -> FloatArray:
         """Return how high the axle is (..., S) m as springs hold what the tyres pull."""
         line, loads = self.line, self.loads
         assert line.suspension is not None
         assert line.tyre is not None  # or it squats nowhere
+        pulls = on_axle / line.tyre.static_radius
+        driven = np.clip(
+            loads.lever * pulls * _axles_behind(line) / line.push_share,
+            np.minimum(loads.drawn, loads.drawn_back),
+            np.maximum(loads.drawn, loads.drawn_back),
+        )
         with np.errstate(divide="ignore", invalid="ignore"):
-            share = np.select(
-                [np.broadcast_to(brakes, torque.shape), np.broadcast_to(coasts, torque.shape)],
-                [
-                    -on_axle / (line.tyre.friction * line.tyre.static_radius * loads.braked)
-                    * loads.drawn_braked,
-                    -torque / self.slip_back * loads.drawn_back,
-                ],
-                np.where(
-                    torque < 0,
-                    -torque / self.slip_reverse * loads.drawn_back,
-                    torque / self.slip * loads.drawn,
-                ),
-            )  # fmt: skip
-        known = self.squats & np.isfinite(share) & np.isfinite(on_axle)
+            braked = -pulls / (line.tyre.friction * loads.braked) * loads.drawn_braked
+        moved = np.where(brakes, braked, driven) + loads.slope
+        known = self.squats & np.isfinite(moved)
         pulled = np.where(known, on_axle, 0.0)
         rest = np.asarray(self.ride.shift)[..., 2]
         risen = squat(
             line.suspension,
             rest,
             axle_load=np.where(self.squats, loads.axle, line.suspension.unsprung_mass * g),
-            drawn=np.where(known, share, 0.0),
+            drawn=np.where(known, moved, 0.0),
             force=pulled / line.tyre.static_radius,
             torque=pulled,
             ahead=line.ahead,
+            stands=self.stands,
         )
         return rest + np.where(known, risen, 0.0)
 
@@ -266,10 +263,11 @@ def demand(line: ResolvedLine) -> Demand:
     sections 2.3 and 2.4; the loads where travel ends are derived.
     """
     each = _each_loading(line)
-    travel = _travel(line, {key: found.axle for key, found in each.items()})
+    axle_loads = {key: found.axle for key, found in each.items()}
+    travel = _travel(line, axle_loads)
     loads = _at_limits(line, _of_states(each[loading.key] for loading in line.loadings))
     torques = _torques(line, loads)
-    standing = _standing(line, travel, loads)
+    standing = _standing(line, travel, loads, stands=_stands(line, axle_loads))
     ride = _own_windup(standing, torques["torque"])
     given, installed = _given(line), line.installed
     asked = torques | {
@@ -501,6 +499,7 @@ def _line_loads(line: ResolvedLine, loading: Loading) -> LineLoads:
             loading.load,
             drives=line.installed.drives,
             load_share=line.installed.load_share,
+            push_share=line.push_share,
             friction=line.tyre.friction if line.tyre else 0.0,
             times=loading.times,
         )
@@ -667,6 +666,16 @@ def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray])
     return _by_state(risen) + _by_state(rocked)
 
 
+def _stands(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray]) -> FloatArray:
+    """Deflection of the axle's springs where states give its travel, (..., S) m; else nan."""
+    suspension, load = line.suspension, axle_loads[line.reference_loading.key]
+    given = _by_state(s.travel for s in line.states)
+    known = ~np.isnan(load).any() or (suspension and suspension.reference in AT_LIMIT)
+    if suspension is None or not known or np.isnan(given).all():
+        return np.full_like(given, np.nan)
+    return given + deflection(suspension, suspension.reference, axle_load=load)
+
+
 def _rocked(line: ResolvedLine) -> Iterator[Metre]:
     """Yield how far a tandem's first axle rises over the mean of both, state by state."""
     first = line.ahead if line.installed.drives == "rear" else 1.0
@@ -674,7 +683,9 @@ def _rocked(line: ResolvedLine) -> Iterator[Metre]:
         yield first * state.articulation if free else 0.0
 
 
-def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Standing:
+def _standing(
+    line: ResolvedLine, travel: FloatArray, loads: LineLoads, *, stands: FloatArray
+) -> Standing:
     """Return the line with its axle where springs and linkage have it, (..., S)."""
     free, states = line.free, line.states
     own = f"drivelines.{line.line.name}." if line.installed.suspension else ""
@@ -685,7 +696,7 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
     x, z = line.axle.pinion_joint if line.axle else (0.0, 0.0)
     slip, slip_back, slip_reverse = _slips(line, loads)
     held = np.array([
-        s.kind is not None and s.kind not in AT_LIMIT and s.travel is None for s in states
+        s.kind is not None and s.kind not in AT_LIMIT for s in states
     ])  # fmt: skip
     moves = line.tyre is not None and line.suspension is not None and line.suspension.squats
     return Standing(
@@ -697,8 +708,9 @@ def _standing(line: ResolvedLine, travel: FloatArray, loads: LineLoads) -> Stand
             arm=stacked((x, 0.0, z)),
             lead=_by_state(2 * a for a in _rocked(line)),
         ),
+        stands=stands,
         yields=yields,
-        squats=yields & held & moves,
+        squats=free & held & moves,
         slip=slip,
         slip_back=slip_back,
         slip_reverse=slip_reverse,
@@ -714,13 +726,13 @@ def _own_windup(standing: Standing, torque: FloatArray) -> Ride:
         If one of these does not say enough to know it.
     """
     line = standing.line
-    driven, braking = (line.winds(k) & standing.yields for k in ("windup", "windup brake"))
-    winds = driven | braking
+    driven, braking = (line.winds(k) for k in ("windup", "windup brake"))
+    winds = (driven | braking) & (standing.yields | standing.squats)
     if not winds.any():
         return standing.ride
     on_axle = _on_axle(line, torque, braked=standing.loads.braked, brakes=~driven)
     pitch = _pitch(line, on_axle)
-    for k in np.flatnonzero(driven | braking):
+    for k in np.flatnonzero(winds & standing.yields):
         if np.isnan(pitch[..., k]).any():
             msg = (
                 f"state {line.states[k].name} of line {line.line.name} needs a windup_stiffness, "
@@ -748,19 +760,22 @@ def _on_axle(
     The line's torque splits between the axles it drives. Brakes and coasting together hold
     no more than the tyres do.
     """
-    suspension, axle, tyre, vehicle = line.suspension, line.axle, line.tyre, line.vehicle
-    behind = 1.0
-    if vehicle:
-        # How many axles stand behind the line; how they share their load is no matter of it.
-        axles = driven_axles(vehicle, drives=line.installed.drives)
-        behind = np.maximum(np.round(line.installed.load_share * axles), 1.0)
-    ratio, efficiency = (axle.ratio / behind, axle.efficiency) if axle else (np.nan, 1.0)
+    suspension, axle, tyre = line.suspension, line.axle, line.tyre
+    ratio, efficiency = (axle.ratio / _axles_behind(line), axle.efficiency) if axle else (np.nan, 1)
     turned = torque * ratio / efficiency  # by the wheels, which turn the line
     by_brakes = np.asarray(suspension.brake_torque if suspension else 0.0)
     held = np.where(by_brakes > 0, by_brakes + np.nan_to_num(-turned), np.nan)
     grip = tyre.friction * tyre.static_radius * braked if tyre else np.nan
     driven = np.where(coasts, turned, torque * ratio * efficiency)
     return np.where(brakes, -np.fmin(held, grip), driven)
+
+
+def _axles_behind(line: ResolvedLine) -> FloatArray:
+    """How many axles stand behind a line; how they share their load is no matter of it."""
+    if line.vehicle is None:
+        return np.ones(())
+    axles = driven_axles(line.vehicle, drives=line.installed.drives)
+    return np.maximum(np.round(line.installed.load_share * axles), 1.0)
 
 
 def _pitch(line: ResolvedLine, on_axle: FloatArray) -> FloatArray:

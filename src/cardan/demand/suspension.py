@@ -235,6 +235,7 @@ def squat(
     force: ArrayLike,
     torque: ArrayLike,
     ahead: float = 1.0,
+    stands: ArrayLike = np.nan,
 ) -> FloatArray:
     r"""Return how much further an axle rises towards the frame as its tyres pull, (...) m.
 
@@ -246,7 +247,7 @@ def squat(
     suspension
         Springs, stops, and the path.
     travel : (...) m
-        Where the axle's load at rest has it.
+        Where the axle is at rest: its load has it there, or somebody holds it.
     axle_load, drawn : (...) N
         That load, and what the force moves onto the axle, N.
     force : (...) N
@@ -255,6 +256,8 @@ def squat(
         On its housing, as `windup` has it, M.
     ahead
         -1 of a pinion that faces rearward: its nose sinks where others rise.
+    stands : (...) m
+        Deflection of its springs there, where that is not what its load says; else nan.
 
     Notes
     -----
@@ -268,14 +271,15 @@ def squat(
     borne = carried(suspension, at_rest)
     moved, pulls, turns = (np.asarray(v, dtype=float) for v in (drawn, force, torque))
     start = spring_deflection(suspension.spring, borne)
-    lowest = np.minimum(deflection(suspension, "full rebound"), start)
-    highest = np.maximum(deflection(suspension, "jounce"), start)
+    there = np.where(np.isnan(stands), start, stands)
+    lowest = np.minimum(deflection(suspension, "full rebound") - there, 0.0)
+    highest = np.maximum(deflection(suspension, "jounce") - there, 0.0)
     gone = np.zeros(np.broadcast_shapes(z0.shape, start.shape, *map(np.shape, (moved, pulls))))
     for _ in range(SETTLING):
         dx, pitch = _path_slopes(suspension.linkage, z0 + gone)
         pushed = moved - pulls * dx + ahead * turns * pitch
         there = spring_deflection(suspension.spring, borne + pushed / each)
-        gone = np.clip(there, lowest, highest) - start
+        gone = np.clip(there - start, lowest, highest)
     return gone
 
 

@@ -13,6 +13,7 @@ from typing import TypeAlias
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray
+from cardan.fatigue.kernel import rows_at_once
 
 PLANES = 36
 """Planes tried at each place, 5 degrees apart: of shear at most 0.4 % is missed."""
@@ -21,9 +22,10 @@ _MOST = 3
 how far stress swings."""
 CLOSELY = 1e-3
 """Share of the worst damage below which the largest cycle alone is counted."""
-_BEST, _TURN = 3, 256
-"""Planes of a place that are counted closely, those of the largest cycle; and moments above which a
-pass is more than a turn of a shaft, and those of its root mean square are counted too."""
+_BEST, _APART, _BESIDE, _TURN = 3, 3, 2, 256
+"""Planes of a place that are counted closely, those of the largest cycle; and moments up to which a
+pass has so few cycles that any plane which may be worse is known. Beyond, of so many one is
+counted, and from the worst on so many to either side until none is worse."""
 _NOTHING, _ORDERS = 1e-6, 4
 """Share of the largest wave below which one is none; and how many are few."""
 LEVELS = 16
@@ -73,6 +75,10 @@ def counted(signals: ArrayLike) -> tuple[FloatArray, FloatArray]:
     rows, t = x.shape
     start = x.argmax(axis=1)
     x = np.take_along_axis(x, (start[:, None] + np.arange(t + 1)) % t, axis=1)
+    if (close := rows_at_once()) is not None:
+        amplitude, mean = np.zeros((2, rows, t // 2 + 2))
+        most = close(x, amplitude, mean)
+        return amplitude[:, :most], mean[:, :most]
     # Reversals, pressed together to the left; what is left of a row repeats its end.
     step = np.sign(np.diff(x, axis=1))
     last = np.maximum.accumulate(np.where(step != 0, np.arange(t), 0), axis=1)
@@ -147,10 +153,12 @@ def swings(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArra
     first, and all of them where one of the others may go farther.
     """
     every = stress.reshape(-1, stress.shape[-1])
-    few, least = outermost(loads, np.sqrt(np.mean(every**2, axis=0)))
+    mean = loads.mean(axis=0)
+    few, ways = outermost(loads, np.sqrt(np.mean(every**2, axis=0)), about=mean)
     top, low = _ends(every, few)
-    middle = every @ loads.mean(axis=0)
-    left = np.flatnonzero(np.minimum(top - middle, middle - low) < least(every))
+    middle = every @ mean
+    least = np.linalg.norm(every @ ways, axis=1)
+    left = np.flatnonzero(np.minimum(top - middle, middle - low) < least)
     top[left], low[left] = _ends(every[left], loads) if len(left) else (0.0, 0.0)
     return ((top + low) / 2).reshape(stress.shape[:2]), ((top - low) / 2).reshape(stress.shape[:2])
 
@@ -165,22 +173,22 @@ def _ends(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray
 
 
 def outermost(
-    loads: FloatArray, worth: FloatArray | float = 1.0
-) -> tuple[FloatArray, Callable[[FloatArray], FloatArray]]:
+    loads: FloatArray, worth: FloatArray | float = 1.0, *, about: FloatArray | float = 0.0
+) -> tuple[FloatArray, FloatArray]:
     """Return the moments of loads (t, c) that lie farthest out, all of a short history.
 
-    And how far at most stresses (m, c) go from their mean in the others, (m,): by the spread of the
-    loads and the inequality of Cauchy and Schwarz.
+    And ways (c, r) of which all others are `about` and a sum, each at most as large that their
+    squares add up to 1: by the inequality of Cauchy and Schwarz what these make of a stress bounds
+    it. Of a short history there are none.
     """
     if len(loads) <= 2 * _LONG:
-        return loads, lambda stress: np.full(len(stress), -np.inf)
+        return loads, np.zeros((loads.shape[1], 0))
     scale = np.broadcast_to(np.asarray(worth, dtype=float), loads.shape[1:])
-    goes, size, ways = np.linalg.svd((loads - loads.mean(axis=0)) * scale, full_matrices=False)
+    goes, size, ways = np.linalg.svd((loads - about) * scale, full_matrices=False)
     far = np.linalg.norm(goes, axis=1)
     order = np.argsort(-far)
     spread = (size[:, None] * ways / np.where(scale > 0, scale, np.inf)).T
-    beyond = far[order[_LONG]]
-    return loads[order[:_LONG]], lambda stress: beyond * np.linalg.norm(stress @ spread, axis=1)
+    return loads[order[:_LONG]], far[order[_LONG]] * spread
 
 
 @dataclass(frozen=True)
@@ -231,8 +239,7 @@ def reach(passes: FloatArray, worth: FloatArray | float = 1.0) -> Reach:
     farther than the farther of the two moments at its ends, and no moment ends two.
     """
     waves = np.fft.rfft(passes, axis=1) * 2 / passes.shape[1]
-    size = (np.abs(waves) * worth).max(axis=(0, 2))[1:]
-    orders = np.flatnonzero(size > _NOTHING * size.max(initial=0.0)) + 1
+    orders = _orders(passes, worth)
     middles, cycles = passes.mean(axis=1), np.zeros(LEVELS)
     cycles[-1] = orders.max(initial=1)
     if len(orders) <= _ORDERS:
@@ -285,28 +292,31 @@ def _held(
     return mean + middle @ back, (axes.T @ back).T, far / far.max()
 
 
-def _largest(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
+def _largest(
+    stress: FloatArray, passes: Sequence[Pass], harm: Harm
+) -> tuple[FloatArray, FloatArray]:
+    """Return damage (m, planes) of the largest cycle alone, and of as many as there may be.
+
+    Of a pass no longer than a turn no plane suffers more than that: of cycles with one top the
+    larger fares worse, of two as large the one about the higher mean.
+    """
     worth = np.sqrt(np.mean(stress**2, axis=(0, 1)))
-    rough = np.zeros(stress.shape[:2])
+    once, often = np.zeros(stress.shape[:2]), np.zeros(stress.shape[:2])
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[:, None]
-        mean, amplitude = swings(stress, farthest(np.concatenate(one.loads), worth))
-        rough += one.times * harm(more * amplitude, more * mean, np.arange(len(stress)))
-    return rough
-
-
-def _steady(stress: FloatArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
-    """Return damage (m, planes) as if all cycles had the root mean square: of a wave what it is."""
-    found = np.zeros(stress.shape[:2])
-    for one in passes:
         loads = np.concatenate(one.loads)
-        more = np.broadcast_to(one.scale, len(stress))[:, None]
-        spread = np.atleast_2d(np.cov(loads.T, bias=True))
-        size = np.sqrt(2 * np.maximum(((stress @ spread) * stress).sum(axis=-1), 0.0))
-        cycles = max(one.loads.shape[1] / _TURN, 1.0)
-        mean = stress @ loads.mean(axis=0)
-        found += one.times * cycles * harm(more * size, more * mean, np.arange(len(stress)))
-    return found
+        brief = one.loads.shape[1] <= _TURN
+        mean, amplitude = swings(stress, loads if brief else farthest(loads, worth))
+        does = one.times * harm(more * amplitude, more * mean, np.arange(len(stress)))
+        once += does
+        often += does * _orders(one.loads, worth).max(initial=1) if brief else np.inf
+    return once, often
+
+
+def _orders(passes: FloatArray, worth: FloatArray | float) -> IntArray:
+    """Return which orders passes (p, t, c) have, (k,): a sum of them has no more cycles each."""
+    size = (np.abs(np.fft.rfft(passes, axis=1)) * worth).max(axis=(0, 2))[1:]
+    return np.flatnonzero(size > _NOTHING * size.max(initial=0.0)) + 1
 
 
 def farthest(loads: FloatArray, worth: FloatArray | float = 1.0) -> FloatArray:
@@ -364,34 +374,46 @@ def plane_damage(
     """
     directions = plane_directions(normals)
     stress = on_planes(unit, directions)
-    told = [rough := _largest(stress, passes, harm)]
-    # One hard pull one way may hide the many that tire another.
-    if any(p.loads.shape[1] > _TURN for p in passes):
-        told.append(_steady(stress, passes, harm))
-    damage = np.max(told, axis=(0, 2))
-    best = rough.argmax(axis=1)
+    rough, most = _largest(stress, passes, harm)
+    damage, best = rough.max(axis=1), rough.argmax(axis=1)
     # What breaks at once does endless damage, and no share of that is a number.
     least = closely * damage.max(initial=0.0) if closely else 0.0
     counts = np.flatnonzero(damage > least)
-    order = np.concatenate([np.argsort(-v[counts], axis=1)[:, :_BEST] for v in told], axis=1)
-    share = np.take_along_axis(stress[counts], order[..., None], axis=1)
-    exact = np.zeros(order.shape)
-    for one in passes:
-        more = np.broadcast_to(one.scale, len(stress))[counts, None, None]
-        many, t, _ = one.loads.shape
-        width, held = order.shape[1] * many * t, _CHUNK if t > _LONG else _NEAR
-        for rows in _chunks(len(counts), width, most=held):
-            signals = more[rows] * share[rows] @ np.concatenate(one.loads).T
-            amplitude, mean = (
-                v.reshape(len(signals), -1, many, v.shape[1])
-                for v in counted(signals.reshape(-1, t))
-            )
-            each = harm(amplitude, mean, counts[rows])
-            exact[rows] += one.times * each.sum(axis=-1).max(axis=-1)
-    damage[counts] = exact.max(axis=1, initial=0.0)
-    picked = exact.argmax(axis=1)
-    best[counts] = np.take_along_axis(order, picked[:, None], axis=1)[:, 0]
+    every, most = np.arange(len(counts)), most[counts]
+    brief = np.isfinite(most).all()
+    exact = np.full(most.shape, -1.0)
+    asked = np.zeros(most.shape, dtype=bool)
+    asked[every[:, None], np.argsort(-rough[counts], axis=1)[:, :_BEST]] = True
+    asked[:, ::_APART] |= not brief
+    while asked.any():
+        row, plane = np.nonzero(asked)
+        exact[asked] = _counted(stress[counts[row], plane], counts[row], passes, harm)
+        if brief:
+            asked = most > exact.max(axis=1, initial=0.0)[:, None]
+        else:  # one hard pull one way may hide the many that tire another
+            asked = np.zeros(most.shape, dtype=bool)
+            beside = exact.argmax(axis=1)[:, None] + np.arange(-_BESIDE, _BESIDE + 1)
+            asked[every[:, None], beside % len(directions[0])] = True
+        asked &= exact < 0
+    damage[counts], best[counts] = exact.max(axis=1, initial=0.0), exact.argmax(axis=1)
     return damage, directions[np.arange(len(best)), best]
+
+
+def _counted(stress: FloatArray, at: IntArray, passes: Sequence[Pass], harm: Harm) -> FloatArray:
+    """Return the damage (k,) of stresses (k, c) on planes of places (k,), every cycle counted."""
+    found = np.zeros(len(stress))
+    for one in passes:
+        scale = np.asarray(one.scale)
+        scaled = stress * (scale[at, None] if scale.ndim else scale)
+        many, t, _ = one.loads.shape
+        for rows in _chunks(len(at), many * t, most=_CHUNK if t > _LONG else _NEAR):
+            signals = scaled[rows] @ np.concatenate(one.loads).T
+            amplitude, mean = (
+                v.reshape(len(signals), many, v.shape[1]) for v in counted(signals.reshape(-1, t))
+            )
+            each = harm(amplitude, mean, at[rows]).sum(axis=-1).max(axis=-1)
+            found[rows] += one.times * each
+    return found
 
 
 def _chunks(count: int, width: int, *, most: int = _NEAR) -> list[slice]:

@@ -6,12 +6,13 @@ from typing import Annotated, Any, TypeAlias, get_args
 
 import numpy as np
 
-from cardan.base.units import g, mm
+from cardan.base.units import deg, g, mm
 from cardan.border.measure import (
     FORCES,
     STIFFNESSES,
     STRONGEST,
     TORQUES,
+    Angle,
     Cycles,
     Diameter,
     Distance,
@@ -212,10 +213,15 @@ class GaugeTable(Table):
     point: Point = key("middle of its grid, from the bearing's centre; the nearest surface counts")
     direction: Way = key("along which it measures; it is laid into the surface")
     length: Size = key("of its grid", default=3 * mm)
+    off: Distance = key("it may be glued, to any side; assumed if left out", default=1 * mm)
+    askew: Angle = key("it may be glued; assumed if left out", default=2 * deg)
 
     def build(self) -> Gauge:
         """Return the gauge in SI."""
-        return Gauge(name=self.name, point=self.point, direction=self.direction, length=self.length)
+        return Gauge(
+            name=self.name, point=self.point, direction=self.direction, length=self.length,
+            off=self.off, askew=self.askew,
+        )  # fmt: skip
 
 
 class CaseTable(Table):
@@ -250,6 +256,10 @@ class RecordingTable(Table):
     file: str = key(
         "a recording beside this file: channels x_N, y_N, z_N, as `cardan life --load-history` "
         "writes them, or one named after each gauge"
+    )
+    from_gauges: bool = key(
+        "whether its forces were read from the bracket's gauges, as `cardan life` reads them",
+        default=False,
     )
 
     def recording(self, gauges: tuple[Gauge, ...]) -> BracketRecording:
@@ -287,8 +297,15 @@ class RecordingTable(Table):
             if unit not in ("", *known):
                 self.at("file").refuse(f"channel {name} is in {unit}; {told}", got=self.file)
         if forces:
-            return BracketRecording(name=self.name, rate=found.rate, force=values)
-        return BracketRecording(name=self.name, rate=found.rate, strain=values * 1e-6)
+            if self.from_gauges and len(gauges) < len(FORCE_CHANNELS):
+                self.at("from_gauges").refuse(
+                    "needs the gauges they were read from, 3 at least; the bracket has "
+                    f"{len(gauges)}"
+                )
+            return BracketRecording(
+                name=self.name, rate=found.rate, force=values, read=self.from_gauges
+            )
+        return BracketRecording(name=self.name, rate=found.rate, strain=values * 1e-6, read=True)
 
 
 Recordings: TypeAlias = Annotated[

@@ -260,7 +260,7 @@ def _ratings(application: Application) -> Found:
 
 def _shear(application: Application) -> Found:
     for line in _lines(application):
-        share = line.installed.torque_ratio
+        share = line.installed.torque_ratio * line.installed.torque_share
         for _, shaft, _ in line.shafts:
             if shaft.tube and application.torque:
                 polar = 2 * shaft.tube.second_moment

@@ -172,7 +172,9 @@ class Installed:
     layout: Layout
     axle: Axle | None = None
     torque_ratio: float = 1.0
-    """Torque of this line over that of the gearbox output (inter-axle shares and the like)."""
+    """Torque of this line over its share of the gearbox output's: a transfer case's gears."""
+    torque_share: float = 1.0
+    """What differentials leave it of that; so much of the vehicle's push is of its wheels."""
     speed_ratio: float = 1.0
     drives: Drives = "rear"
     """Which axles turn behind this line; its pinion sits on one of them, or, where it

@@ -12,7 +12,7 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
 from cardan.base.frozen import dataclass
 from cardan.base.source import ASSUMED, Source
-from cardan.base.units import Kilogram, Metre, MPa, Pascal, mm
+from cardan.base.units import Kilogram, Metre, MPa, Pascal, deg, mm
 from cardan.model.material import STEEL, Material
 from cardan.model.seat import LOSS
 
@@ -230,13 +230,16 @@ class Gauge:
     """A strain gauge: where its grid's middle is, which way it measures, how long it is.
 
     `point` is in the bracket's frame and is drawn to the nearest surface; `direction` is
-    laid into that surface.
+    laid into that surface. It may be glued as far `off` to any side, and so far `askew` (rad):
+    assumed, by hand to lines that are scratched on.
     """
 
     name: str
     point: Vector
     direction: Vector
     length: Metre = 3 * mm
+    off: Metre = 1 * mm
+    askew: float = 2 * deg
 
     def __post_init__(self) -> None:
         _above_zero(f"gauge {self.name}", length=self.length)
@@ -272,12 +275,15 @@ class BracketRecording:
         Along the vehicle's axes; None where it follows from the gauges.
     strain : (t, g)
         Of the bracket's gauges; None where the force is known.
+    read
+        Whether its forces are known by the bracket's gauges alone, whoever read them back.
     """
 
     name: str
     rate: float
     force: FloatArray | None = None
     strain: FloatArray | None = None
+    read: bool = False
 
 
 Mean: TypeAlias = Literal["goodman", "ratio", "none"]

@@ -102,15 +102,10 @@ class Axle:
     ratio: float
     efficiency: float = 1.0
     pinion_joint: tuple[Metre, Metre] = (0.0, 0.0)
-    torque_share: float = 1.0
-    """Share of the vehicle's torque that this line carries."""
     rotors: Rotors = field(default_factory=Rotors)
 
     def __post_init__(self) -> None:
-        positive(
-            "an axle",
-            ratio=self.ratio, efficiency=self.efficiency, torque_share=self.torque_share,
-        )  # fmt: skip
+        positive("an axle", ratio=self.ratio, efficiency=self.efficiency)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -656,7 +656,7 @@ def _sketch(r: "Response", at: Placed, on: Suspended) -> Sketch:
     some = np.where(np.isnan(at.torque), np.nan, on_axle_at(r.demand, at))
     some = np.where(np.isnan(some).all(axis=0), 0.0, some)
     ridden = ride_at(r.demand, at)
-    rides = _rides(some, ridden)
+    rides = _rides(some, ridden, r.demand.ride)
     each = [rides.ridden(*node) for node in rides.nodes]
 
     def named(case: tuple[int, ...]) -> str:
@@ -676,8 +676,11 @@ def _sketch(r: "Response", at: Placed, on: Suspended) -> Sketch:
     )  # fmt: skip
 
 
-def _rides(on_axle: FloatArray, ride: Ride) -> Rides:
-    """Return the rides of an axle at points: torques on it (P, ..., S), nan where there is none."""
+def _rides(on_axle: FloatArray, ride: Ride, own: Ride) -> Rides:
+    """Return the rides of an axle at points: torques on it (P, ..., S), nan where there is none.
+
+    It moves where it rides otherwise than in its `own` state, if only in one way.
+    """
     travel = np.broadcast_to(np.asarray(ride.shift, dtype=float)[..., 2], on_axle.shape)
     pitch = np.broadcast_to(np.asarray(ride.pitch, dtype=float), on_axle.shape)
     travel, pitch = (np.where(np.isnan(on_axle), np.nan, v) for v in (travel, pitch))
@@ -688,7 +691,10 @@ def _rides(on_axle: FloatArray, ride: Ride) -> Rides:
     found = Rides(
         least=least, largest=largest, lowest=lowest, highest=highest,
         away=np.zeros_like(least),
-        moves=any((np.nanmax(v, axis=0) > np.nanmin(v, axis=0)).any() for v in (travel, pitch)),
+        moves=any(
+            np.nanmax(np.abs(v - at), initial=0.0) > 0
+            for v, at in ((travel, np.asarray(own.shift)[..., 2]), (pitch, own.pitch))
+        ),
     )  # fmt: skip
     _, off = found.of(on_axle, travel)
     away = np.nanmax(np.abs(off), axis=0)
@@ -834,7 +840,7 @@ def driven(r: "Response", of: Driven, *, state: int) -> tuple[FloatArray, FloatA
     every = np.repeat(of.torque[:, None], len(r.demand.states), axis=1)
     on_axle = np.nan_to_num(on_axle_under(r.demand, every))
     ridden = ride_under(r.demand, every)
-    rides = _rides(on_axle, ridden)
+    rides = _rides(on_axle, ridden, r.demand.ride)
     laid, count = r.lay(_at_nodes(r, rides)), len(rides.nodes)
     where = Layout(
         points=np.broadcast_to(laid.points, (count, *laid.points.shape[-3:]))[:, state],

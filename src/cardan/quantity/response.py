@@ -18,7 +18,7 @@ from cardan.base.part import Mode
 from cardan.base.units import g
 from cardan.demand.clearance import clearances
 from cardan.demand.points import Curves, curves
-from cardan.demand.states import Demand, each_axle_load
+from cardan.demand.states import Demand, demand_under, each_axle_load
 from cardan.kinematics import constant_velocity, equivalent
 from cardan.kinematics.chain import Turn, joint_angles, pin_phases, turn
 from cardan.kinematics.equivalent import Excitation
@@ -717,12 +717,28 @@ class Response:
         return stacked(np.nan if rating is None else rating for rating in found)
 
     @cached_property
+    def duty_angles(self) -> FloatArray:
+        """Joint angles (points, ..., n) rad as the torques of the duty cycle have the axle."""
+        cases = self.angles.shape[:-1]
+        torque, speed = (
+            np.stack([np.broadcast_to(getattr(p, of), cases) for p in self.duty])
+            for of in ("torque", "speed")
+        )
+
+        def named(case: tuple[int, ...]) -> str:
+            return f"point {case[0] + 1} of the duty cycle with {torque[case]:.4g} N m"
+
+        under = demand_under(self.demand, torque=torque, speed=speed, named=named)
+        found = joint_angles(self.lay(under).directions)
+        return np.broadcast_to(found, (len(self.duty), *self.angles.shape))
+
+    @cached_property
     def life(self) -> FloatArray:
         """Life of each joint's needle bearings, (..., n) s; nan where not known.
 
-        Over the duty cycle, at the joint angles of each state that lasts unless the cycle
-        gives its own. Worst torque and top speed of a vehicle never meet, so without a
-        cycle there is no life.
+        Over the duty cycle, at the joint angles of each state that lasts as each point's torque
+        has them, unless the cycle gives its own. Worst torque and top speed of a vehicle never
+        meet, so without a cycle there is no life.
         """
         duty = self.duty
         if not duty:
@@ -731,10 +747,11 @@ class Response:
             stacked(getattr(p, v) for p in duty)[..., None, :] for v in ("torque", "speed", "share")
         )
         fixed = stacked(np.nan if p.angle is None else p.angle for p in duty)[..., None, :]
+        angle = np.where(np.isnan(fixed), np.moveaxis(self.duty_angles, 0, -1), fixed)
         wear = life.wear(
             torque,
             speed=speed,
-            angle=np.where(np.isnan(fixed), self.angles[..., None], fixed),
+            angle=angle,
             rated_torque=self.life_ratings[..., None],
             prime_mover_factor=self.application.prime_mover_factor,
         )
@@ -745,9 +762,7 @@ class Response:
                     _over_duty(size),
                     torque[..., 0, :],
                     speed=speed[..., 0, :],
-                    angle=np.where(
-                        np.isnan(fixed[..., 0, :]), self.angles[..., k, None], fixed[..., 0, :]
-                    ),
+                    angle=angle[..., k, :],
                     prime_mover_factor=self.application.prime_mover_factor,
                 )
         wear = np.stack(np.broadcast_arrays(*each), axis=-2)

@@ -18,6 +18,7 @@ from cardan.bracket.refine import UNSETTLED
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.loads.cycle import major_axis
+from cardan.model.bracket import BracketRecording
 from cardan.report.contract import CONTRACT, check, coverage, operating_point, plain
 from cardan.report.language import EN, Language
 from cardan.report.screen import WIDTH, folded, table
@@ -26,7 +27,7 @@ from cardan.report.wording import cited, curve, unanswered
 from cardan.study.approval import Approval
 from cardan.study.bracket import BracketAnswer
 from cardan.study.bracket_contact import APART, InBolts
-from cardan.study.bracket_forced import Forced
+from cardan.study.bracket_forced import FIRM, Forced
 from cardan.study.bracket_judge import Found, Judged, Outcome
 from cardan.study.bracket_life import Endured
 from cardan.study.finding import BRACKET
@@ -202,29 +203,46 @@ def remarks(of: BracketAnswer, v: Judged, say: Language = EN) -> Iterator[str]:
                 "{name}: {pick} is {faces}, {area} mm².",
                 name=say(v.name), pick=p.name, faces=faces, area=area,
             )  # fmt: skip
-    for name, found in _read_back(of, v):
+    for axis, k, given in zip("zy", (2, 1), of.series or (), strict=False):
+        own = 1 / v.compliance[k, k]
+        if given > own * FIRM / (1 + FIRM):
+            yield say(
+                "{name}: the bearing's stiffness_N_mm, of rubber and bracket in series, is {given} "
+                "N/mm along {axis}, and the bracket alone gives {own}: its rubber is taken as "
+                "rigid that way.",
+                name=say(v.name), axis=axis, given=say.number(given / (N / mm)),
+                own=say.number(own / (N / mm)),
+            )  # fmt: skip
+    for one, found in _read_back(of, v):
         x, y, z = (say.number(n) for n in found.noise)
+        means = (
+            "{name}: the forces of {recording} were read from gauges; a microstrain of noise is "
+            "{x} N along x, {y} along y and {z} along z, and how much of what they read no force "
+            "explains is not known here (condition {condition})."
+            if one.strain is None
+            else "{name}: the forces of {recording} are read from gauges; a microstrain of noise "
+            "is {x} N along x, {y} along y and {z} along z, and {left} microstrain of what they "
+            "read no force explains (condition {condition})."
+        )
         yield say(
-            "{name}: the forces of {recording} are read from gauges; a microstrain of noise is "
-            "{x} N along x, {y} along y and {z} along z, and {left} microstrain of what they read "
-            "no force explains (condition {condition}).",
-            name=say(v.name), recording=name, x=x, y=y, z=z, condition=say.number(found.condition),
-            left=say.number(1e6 * _size(found.residual)),
+            means, name=say(v.name), recording=one.name, x=x, y=y, z=z,
+            condition=say.number(found.condition), left=say.number(1e6 * _size(found.residual)),
         )  # fmt: skip
         x, y, z = (say.number(n) for n in found.off)
         yield say(
             "{name}: where they are largest, those forces may be off by {x} N along x, {y} along y "
-            "and {z} along z for the mesh alone.",
+            "and {z} along z: by the mesh, by where and how gauges are glued and 1 % of what they "
+            "read, or by what no force explains where that is more.",
             name=say(v.name), x=x, y=y, z=z,
         )  # fmt: skip
 
 
-def _read_back(of: BracketAnswer, v: Judged) -> Iterator[tuple[str, Recovered]]:
+def _read_back(of: BracketAnswer, v: Judged) -> Iterator[tuple[BracketRecording, Recovered]]:
     """Yield the recordings whose forces are read from gauges."""
     known = {o.case.name: o.case.read for o in v.outcomes}
     for one in of.bracket.recordings:
         if (read := known.get(one.name)) is not None:
-            yield one.name, read
+            yield one, read
 
 
 def _size(residual: FloatArray) -> float:
@@ -251,6 +269,15 @@ def hours_of(v: Judged) -> FloatArray:
     rate = np.max([e.spots / e.duration for e in v.duty], axis=0)
     with np.errstate(divide="ignore"):
         return 1 / (rate * hour)
+
+
+def lies(say: Language) -> str:
+    """Return by what a life lies between the hours in brackets, and by what it may not."""
+    return say(
+        "Hours in brackets: by the error of stresses, by the flange held the kinder way, and by "
+        "what gauges read wrong where forces are read from them. Curve, rubber and other loads are "
+        "taken to be right."
+    )
 
 
 def hours_within(v: Judged) -> FloatArray:
@@ -466,7 +493,7 @@ def _lives(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[
         if of.bracket.material.ultimate_strength
         else say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress not counted.")
     )
-    yield from folded([f"  {means}"], width)
+    yield from folded([f"  {means} {lies(say)}"], width)
 
 
 def _small(value: float, say: Language) -> str:
@@ -585,13 +612,16 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
         ],
         "read_back": [
             {
-                "recording": name,
+                "recording": one.name,
                 "noise_N": found.noise.tolist(),
-                "mesh_error_N": found.off.tolist(),
+                "error_N": found.off.tolist(),
                 "condition": found.condition,
-                "unexplained_microstrain": 1e6 * _size(found.residual),
+                "flange": None if one.strain is None else found.flange,
+                "unexplained_microstrain": (
+                    None if one.strain is None else 1e6 * _size(found.residual)
+                ),
             }
-            for name, found in _read_back(of, v)
+            for one, found in _read_back(of, v)
         ],
         "stiffness_too_high": v.solved.sliding.too_stiff.tolist(),
         "frequencies_Hz": v.frequencies.tolist(),

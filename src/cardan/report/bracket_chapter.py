@@ -22,6 +22,7 @@ from cardan.report.bracket import (
     hours_of,
     hours_within,
     in_contact,
+    lies,
     lives,
     picture,
     pulled_off,
@@ -378,6 +379,7 @@ def notes(of: BracketAnswer, say: Language) -> Iterator[str]:
         "The flange is held in two ways that have the truth between them, sliding under its bolts "
         "and clamped as one with the frame; of each feature the worse is told."
     )
+    yield lies(say)
     for note in (in_contact, pulled_off, bent_far):
         yield from dict.fromkeys(told for v in of.variants for told in note(v, say))
     yield from (

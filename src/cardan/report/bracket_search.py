@@ -8,10 +8,11 @@ import numpy as np
 from cardan.base.units import mm
 from cardan.model.application import Application
 from cardan.report.bracket import hours
-from cardan.report.contract import CONTRACT, plain
+from cardan.report.contract import CONTRACT, check, plain
 from cardan.report.language import EN, Language
 from cardan.report.screen import WIDTH, folded, table
 from cardan.report.terminal import BOLD, PLAIN
+from cardan.report.wording import place
 from cardan.study.bracket_search import Searched, Tried, named
 
 
@@ -57,15 +58,22 @@ def terminal(
     )
     careful = bolted if of.bracket is not None and of.bracket.bolts is not None else pair
     yield from folded([careful], width)
-    short = [t for t in found.tried if t.refined and t.life >= found.target and t.slips]
+    short = [t for t in found.tried if t.refined and t.life >= found.target and not t.holds]
     for t in short:
-        assert t.slips is not None
-        loose = say(
-            "{sizes}: lives long enough, but {case} asks {share} of what its bolts hold; that is "
-            "too much.", sizes=said(t.sizes, say), case=say.occasion(t.slips.when),
-            share=say.number(t.slips.share),
-        )  # fmt: skip
-        yield from folded([loose], width)
+        if t.slips is not None:
+            loose = say(
+                "{sizes}: lives long enough, but {case} asks {share} of what its bolts hold; that "
+                "is too much.", sizes=said(t.sizes, say), case=say.occasion(t.slips.when),
+                share=say.number(t.slips.share),
+            )  # fmt: skip
+            yield from folded([loose], width)
+        if t.fails is not None:
+            broken = say(
+                "{sizes}: lives long enough, but fails: {limit}, {where}.",
+                sizes=said(t.sizes, say), limit=say.name(t.fails.quantity),
+                where=place(t.fails, say),
+            )  # fmt: skip
+            yield from folded([broken], width)
     if found.best is not None:
         chosen = say(
             "The lightest: {sizes}, {mass} kg, {hours} h.", sizes=said(found.best.sizes, say),
@@ -78,7 +86,7 @@ def terminal(
                 [say("By the error of its stress it may live shorter than that.")], width
             )
     elif short:
-        yield say("None of them lives that long in bolts that hold.")
+        yield say("None of them lives that long and holds.")
     else:
         yield say("None of them lives that long.")
 
@@ -116,6 +124,7 @@ def _tried(t: Tried) -> dict[str, Any]:
         "refined": t.refined,
         "slip_utilisation": _slips(t),
         "bolts_hold": None if _slips(t) is None else t.slips is None,
+        "fails": None if t.fails is None else check(t.fails),
         "worst": {"zone": worst.zone, "number": worst.number},
     }
 

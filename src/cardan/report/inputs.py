@@ -236,8 +236,7 @@ def _line(of: Installed, say: Language) -> Iterator[tuple[str, str]]:
     if of.axle:
         yield say("axle ratio"), say.short(of.axle.ratio)
         yield say("axle efficiency"), say.short(of.axle.efficiency)
-    if of.torque_ratio != 1 or (of.axle and of.axle.torque_share != 1):
-        share = of.torque_ratio * (of.axle.torque_share if of.axle else 1.0)
+    if (share := of.torque_ratio * of.torque_share) != 1:
         yield say("share of the torque"), say.short(share)
     yield say("side slopes of the members"), _each(layout.side, deg, "deg", say)
     yield say("top slopes of the members"), _each(layout.top, deg, "deg", say)

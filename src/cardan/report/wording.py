@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from math import pi
+from math import isinf, pi
 from typing import TYPE_CHECKING
 
 from cardan.base.errors import BadFile, Problem, RefusedInFile
@@ -64,6 +64,22 @@ def worst_of_each(checks: Iterable[Check]) -> list[Check]:
     return sorted(worst.values(), key=badness)
 
 
+_HELD = (
+    "between {low} and {high} {unit} by what elements, flange and gauges leave open",
+    "between {low} and {high} by what elements, flange and gauges leave open",
+)
+_BETWEEN = {
+    "gauge": (
+        "between {low} and {high} {unit} by what was not recorded",
+        "between {low} and {high} by what was not recorded",
+    ),
+    "mode": (
+        "between {low} and {high} {unit} by the estimated error of the elements",
+        "between {low} and {high} by the estimated error of the elements",
+    ),
+}
+
+
 def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str:
     """Return where a check is: state, torque, mode, part and, with several lines, which line."""
     told = [occasion(c, say)]
@@ -78,20 +94,9 @@ def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str
         ))  # fmt: skip
     if isinstance(c, Check) and c.within:
         quantity = QUANTITIES[c.quantity]
-        low, high = (say.short(end / quantity.factor, 4) for end in c.within)
-        recorded = c.part.kind == "gauge"
-        if quantity.unit_name:
-            means = (
-                "between {low} and {high} {unit} by what was not recorded"
-                if recorded
-                else "between {low} and {high} {unit} by the estimated error of the elements"
-            )
-        else:
-            means = (
-                "between {low} and {high} by what was not recorded"
-                if recorded
-                else "between {low} and {high} by the estimated error of the elements"
-            )
+        low, high = ("∞" if isinf(end) else say.short(end / quantity.factor, 4) for end in c.within)
+        with_unit, alone = _BETWEEN.get(c.part.kind, _HELD)
+        means = with_unit if quantity.unit_name else alone
         told.append(say(means, low=low, high=high, unit=quantity.unit_name))
         if c.may_be != c.grade:
             told.append(

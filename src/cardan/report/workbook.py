@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from io import BytesIO
+from itertools import product
 from math import isnan
 from typing import Any, TypeAlias
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -425,6 +426,7 @@ class _Line:
         self.lasting = self._given(
             say("counts for the life (1 or 0)"), "", [float(x) for x in lasting], "lasting", SWITCH
         )
+        self._under_duty()
         self.weight: list[list[int]] = []
         if r.gravity:
             sheet.section(say("Weight on the centre bearings (values of cardan)"), heads)
@@ -446,7 +448,27 @@ class _Line:
                 )
         sheet.sheet.freeze_panes(0, FIRST)
 
-    # Calculation. A formula is written once: § stands for the letter of a state's column.
+    def _under_duty(self) -> None:
+        """Write what the torque of each point of the duty cycle adds to joint angles, if any."""
+        r, say = self.r, self.say
+        lasting = np.flatnonzero(r.lasting & ~np.isnan(r.life).all(axis=-1)).tolist()
+        self.moved = False
+        if not lasting:
+            return
+        more = np.moveaxis(r.duty_angles - r.angles, 0, -1) / deg  # (S, n, points)
+        self.moved = bool(np.abs(more[lasting]).max() > 1e-9)
+        if not self.moved:
+            return
+        self.states.section(
+            say("Joint angles added by the torques of the duty cycle (values of cardan)"),
+            ["", "", "", "", *(say("point {k}", k=p + 1) for p in range(more.shape[-1]))],
+        )
+        for k, s in product(range(self.n), lasting):
+            label = say.list(say.part(Part("joint", k + 1)), say.state(r.demand.states[s]))
+            self._given(label, "deg", more[s, k].tolist(), f"duty_more_{k + 1}_{s + 1}", EITHER_WAY)
+
+    # Calculation. A formula is written once: § stands for the letter of a state's column, and ¶
+    # for its number.
 
     def _row(
         self,
@@ -463,7 +485,10 @@ class _Line:
         row = self.sheet.put(
             label,
             unit,
-            [f'=IFERROR({formula.replace("§", c)},"")' for c in self.columns],
+            [
+                f'=IFERROR({formula.replace("§", c).replace("¶", str(s))},"")'
+                for s, c in enumerate(self.columns, 1)
+            ],
             style=style or self.book.formula,
             texts=(note, source),
             values=values,
@@ -787,9 +812,10 @@ class _Line:
         for k in range(self.n):
             if np.isnan(r.life[:, k]).all() or not r.line.crosses[k]:
                 continue
+            beta = f"({self.beta[k]}+{self.tag}duty_more_{k + 1}_¶)" if self.moved else self.beta[k]
             each = of.cells(
                 T=f"{torque}*duty_torques{part_of}", n=f"{speed}*duty_speeds{part_of}",
-                β=f"{given}*duty_angles+(1-{given})*{self.beta[k]}", K1="prime_mover_factor",
+                β=f"{given}*duty_angles+(1-{given})*{beta}", K1="prime_mover_factor",
                 Td=self._of_part("joint_ratings", k + 1),
             )  # fmt: skip
             part = Part("joint", k + 1)

@@ -19,9 +19,9 @@ from cardan.base.units import RadianPerSecond, hour
 from cardan.base.verdict import Check, Limit, Unanswered
 from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
-from cardan.bracket.gauges import recover
+from cardan.bracket.gauges import recover_held, reread
 from cardan.bracket.refine import LEVELS
-from cardan.bracket.solve import Held
+from cardan.bracket.solve import Solved
 from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.loads.cycle import Cycle
@@ -50,6 +50,8 @@ class BracketAnswer:
     bracket: Bracket
     top_speed: RadianPerSecond
     variants: tuple[Judged, ...]
+    series: tuple[float, float] | None = None
+    """Stiffness of rubber and bracket in series, up and level, N/m, where no other is given."""
 
 
 def judged(
@@ -84,13 +86,14 @@ def study(
     variants = [bench.judged(bracket.shape, name="original", tell=tell)]
     if bracket.reinforced is not None:
         # What gauges read, they read on the bracket that is installed.
-        bench = replace(bench, installed=variants[0].solved.sliding)
+        bench = replace(bench, installed=variants[0].solved)
         variants.append(bench.judged(bracket.reinforced, name="reinforced", tell=tell))
     return BracketAnswer(
         title=application.title,
         bracket=bracket,
         top_speed=bench.top_speed,
         variants=tuple(variants),
+        series=bench.series,
     )
 
 
@@ -98,13 +101,13 @@ def study(
 class Bench:
     """An application's line, ready to be hung in one shape of its bracket after the other.
 
-    `installed` is the bracket whose gauges recordings were made with, known once it is judged.
+    `installed` is the bracket whose gauges recordings were made with, known once it is solved.
     """
 
     bracket: Bracket
     response: Response
     extra: tuple[Case, ...] = ()
-    installed: Held | None = None
+    installed: Solved | None = None
 
     @classmethod
     def of(cls, application: Application, *, extra: Sequence[Case] = ()) -> "Bench":
@@ -116,17 +119,25 @@ class Bench:
 
     @property
     def top_speed(self) -> RadianPerSecond:
-        """The highest speed of all states; nan where nobody knows."""
-        speeds = self.response.demand.speed
-        return float(np.nanmax(speeds)) if np.isfinite(speeds).any() else np.nan
+        """The line's highest speed, in a state or not; nan where nobody knows."""
+        fastest = float(np.max(self.response.balanced_at))
+        return fastest if np.isfinite(fastest) else np.nan
 
-    def mounted(self, held: Held) -> Mounted:
+    @property
+    def series(self) -> tuple[float, float] | None:
+        """Stiffness of rubber and bracket in series, up and level, where no other is given."""
+        bearing = self.response.line.shafts[self.bracket.bearing - 1].centre_bearing
+        if self.bracket.rubber is not None or bearing is None or bearing.bracket_stiffness:
+            return None
+        return bearing.stiffness
+
+    def mounted(self, solved: Solved) -> Mounted:
         """Return the loads of the line hung in a bracket that gives, and those measured on it."""
         bracket, on = self.bracket, self.response
-        read = self.installed or held
+        read = self.installed or solved
         hangs = on_rubber(on, bracket)
         if hangs:
-            on = hung(on, bracket, held.swing.seat)
+            on = hung(on, bracket, solved.sliding.swing.seat)
         return Mounted(
             cases=(*cases_of(bracket, on), *recorded(bracket, read), *self.extra),
             duty=duty_of(bracket, on),
@@ -175,16 +186,20 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
     if quantity == "bracket_stress_utilisation" and strength:
         for o in variant.outcomes:
             worst = int(np.argmax(o.hot))
-            used, off = o.hot / strength, o.error / strength
+            used, off, least = (v / strength for v in (o.hot, o.error, o.least))
             yield _Value(
                 o.case.when, variant.features[worst].part, float(used[worst]), o.case.point,
-                within=(max(float((used - off).max()), 0.0), float((used + off).max())),
+                within=(max(float((least - off).max()), 0.0), float((used + off).max())),
             )  # fmt: skip
     if quantity == "bracket_fatigue_utilisation":
         yield from _fatigue(variant)
     if quantity == "bracket_life":
         measured = {one.name for one in of.bracket.recordings}
-        lives = (o.life for o in variant.outcomes if o.case.name in measured and o.life)
+        # A recording may have the name of a state, whose cases say what they are of it.
+        lives = (
+            o.life for o in variant.outcomes
+            if o.case.name in measured and not o.case.what and o.life
+        )  # fmt: skip
         for endured in (*variant.duty, *lives):
             for zone in dict.fromkeys(f.zone for f in variant.features):
                 mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
@@ -198,14 +213,11 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
         for when, share, point in variant.slips:
             yield _Value(when, Part("bolts"), share, point)
     if quantity == "bracket_resonance" and np.isfinite(of.top_speed) and of.top_speed > 0:
-        # What rides on rubber swings by itself; what it rides on rigidly swings with it.
-        on_rubber = of.bracket.rubber is not None or variant.forced is not None
-        own = variant.frequencies if on_rubber else variant.carried
-        alone, loaded = variant.first_too_high
-        ratio = float(own[0]) * 2 * np.pi / (SHAKEN * of.top_speed)
+        own, too_high = variant.first
+        ratio = own * 2 * np.pi / (SHAKEN * of.top_speed)
         yield _Value(
             Occasion("speed", TOP), Part("mode", 1, SHAKEN), ratio,
-            within=(ratio / (1 + (alone if on_rubber else loaded)), ratio),
+            within=(ratio / (1 + too_high), ratio),
         )  # fmt: skip
 
 
@@ -335,23 +347,27 @@ def _elsewhere(bracket: Bracket, response: Response, s: int, found: Points) -> I
         yield replace(case, what="worst point", point=point, shakes=bool(response.seats))
 
 
-def recorded(bracket: Bracket, on: Held | None) -> Iterator[Case]:
+def recorded(bracket: Bracket, on: Solved | None) -> Iterator[Case]:
     """Yield a case of each recording; strains become forces by the gauges of a bracket solved.
 
-    Without that, of each recording of forces.
+    Who read forces back himself did so by the sliding flange, whose influence is told. Without a
+    bracket solved, a case of each recording of forces.
     """
     for one in bracket.recordings:
         force, read = one.force, None
-        if one.strain is not None:
-            if on is None:
-                continue
-            read = recover(on.influence[:, :3], one.strain, unsure=on.unsure)
-            force = read.loads
-        assert force is not None  # one of the two
+        if one.read and on is not None:
+            sliding, clamped = (held.influence[:, :3] for held in on.both)
+            if one.strain is not None:
+                read = recover_held(sliding, clamped, one.strain, unsure=on.sliding.unsure)
+                force = read.loads
+            elif force is not None:
+                read = reread(sliding, clamped, force, unsure=on.sliding.unsure)
+        if force is None:
+            continue
         # Forces are those on the bearing: the bracket swings on top of them. What gauges read
         # has its swing in it.
         yield Case(
-            one.name, loads_of(force), duration=len(force) / one.rate, shakes=read is None,
+            one.name, loads_of(force), duration=len(force) / one.rate, shakes=not one.read,
             read=read,
         )  # fmt: skip
 

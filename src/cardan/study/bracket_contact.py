@@ -27,6 +27,8 @@ APART = 0.2
 """Share by which stress in contact may be too low: CalculiX has at most 9 % more on the same mesh
 under the same heads, 15 % with bolts that give and one pull after the other, and shapes that were
 not compared may have more (docs/bracket.md)."""
+EASED = 1 / (1 + APART) ** 2
+"""Of what is told of stress in contact its least: without that share, and as much below."""
 _LOW = 0.2
 """Share of the most used feature below which one is left as the two ways have it."""
 _ALIKE = 0.03

@@ -25,6 +25,8 @@ _SPEEDS, _NEAR = 60, 25
 """Speeds over the range that shakes most, and round each that meets a mode."""
 _BEYOND = 4.0
 """Multiples of the fastest mode on rubber: above them little arrives."""
+FIRM = 100.0
+"""Times as stiff as the bracket, from which rubber is as good as rigid."""
 _LISTED = 1000.0
 """Hz, up to which modes are told."""
 
@@ -103,8 +105,8 @@ def hung(response: Response, bracket: Bracket, seat: Seat) -> Response:
 
     The rubber is that of the bracket, or of a bearing whose bracket is told apart. Where it is
     not, the bearing's stiffness is that of rubber and bracket in series, as the driveline gives
-    it, and what is left of it without the bracket is the rubber's; where nothing is left the
-    bearing is rigid.
+    it, and what is left of it without the bracket is the rubber's; where nothing is left of it the
+    bearing is rigid that way.
     """
     k = bracket.bearing - 1
     shafts = list(response.line.shafts)
@@ -124,12 +126,15 @@ def hung(response: Response, bracket: Bracket, seat: Seat) -> Response:
 
 
 def _less(stiffness: tuple[float, float], seat: Seat) -> tuple[float, float] | None:
-    """Return the rubber's stiffness, up and level, of that in series with a bracket."""
+    """Return the rubber's stiffness, up and level, of that in series with a bracket.
+
+    Where nothing is left of one it is as good as rigid that way; of both, rigid.
+    """
     give = seat.compliance[[2, 1], [2, 1]]
     left = 1 / np.array(stiffness) - give
-    if not left.min() > 0:
+    if not left.max() > 0:
         return None
-    up, level = (1 / left).tolist()
+    up, level = (1 / np.maximum(left, give / FIRM)).tolist()
     return up, level
 
 

@@ -23,7 +23,15 @@ from cardan.bracket.gauges import Recovered
 from cardan.bracket.refine import LEVELS
 from cardan.bracket.shape import WALL
 from cardan.bracket.solve import Held, Solved, Task, solved_apart
-from cardan.bracket.stress import envelope, extremes, moments, superpose, von_mises
+from cardan.bracket.stress import (
+    Extreme,
+    Extremes,
+    envelope,
+    extremes,
+    moments,
+    superpose,
+    von_mises,
+)
 from cardan.bracket.unit import UNITS
 from cardan.fatigue.critical import (
     CLOSELY,
@@ -41,7 +49,7 @@ from cardan.fatigue.critical import (
 )
 from cardan.fatigue.rainflow import turns
 from cardan.model.bracket import ZONES, Bolts, Bracket, Shape, Zone
-from cardan.study.bracket_contact import Contact, InBolts
+from cardan.study.bracket_contact import EASED, Contact, InBolts
 from cardan.study.bracket_forced import Forced, Swept, amplitude
 from cardan.study.bracket_life import Endured, Strength, gauge_damage, loads_of, mixed, strengths
 
@@ -58,6 +66,12 @@ _MORE = 1.01
 """Times its swing at the point of most stress, above which the point of most swing is told too."""
 SWINGS: dict[Zone, str] = {zone: f"widest swing, {zone}" for zone in ZONES}
 """What a case of a state takes where a zone swings most, if that is not where it stresses most."""
+_SIZE = np.diag([1.0, 1, 1, 2, 2, 2])
+"""Of a stress (6,) the square of its size as a tensor, which no principal stress is above."""
+_MISES = _SIZE * 1.5 - np.pad(np.full((3, 3), 0.5), (0, 3))
+"""And of von Mises."""
+_MOSTLY = 0.5
+"""Of a mode's energy, what bends a bracket that swings itself."""
 _AT_ONCE = 2000
 """Places whose planes are held at once: under 100 MB."""
 
@@ -167,6 +181,8 @@ class Outcome:
         or at a clamp and depends on the mesh alone.
     hot, error : (features,) Pa
         Largest von Mises stress of each feature, and its estimated error.
+    least : (features,) Pa
+        The same stress where the flange is held the way that makes it less.
     mean, amplitude : (features,) Pa
         Of the normal stress at the place of each feature, and on the plane, that use most of its
         fatigue limit (where none is stated, that swing most), wherever `hot` is.
@@ -174,7 +190,8 @@ class Outcome:
         That swing at zero mean over the amplitude its zone bears at the knee; nan where none
         is stated, or of a load by itself.
     used_within : (features, 2)
-        The same where its stress is lower, and higher, by its error.
+        The same where its stress is lower, and higher, by its error, and the flange is held the way
+        that makes it less, and more.
     strain : (gauges, 2)
         Smallest and largest reading.
     bolts : (b,) N
@@ -203,6 +220,7 @@ class Outcome:
     on_edge: Found
     hot: FloatArray
     error: FloatArray
+    least: FloatArray
     mean: FloatArray
     amplitude: FloatArray
     used: FloatArray
@@ -306,13 +324,21 @@ class Judged:
         return self.solved.sliding.carried
 
     @property
-    def first_too_high(self) -> tuple[float, float]:
-        """Share by which the first frequency may be too high: by itself, and with what it carries.
+    def first(self) -> tuple[float, float]:
+        """The lowest frequency, Hz, at which it swings itself; the share it may be too high by.
 
-        What it carries weighs what it weighs: no more than half of the stiffness's own share.
+        By itself, and with what hangs in it the lowest of the modes in which it gives more than the
+        rubber does: of the line where that is known, else of the mass that it carries. What it
+        carries weighs what it weighs: no more than half of the stiffness's own share.
         """
         of = self.solved.sliding
-        return float(of.too_high[0]) if len(of.too_high) else 0.0, float(of.too_stiff.max()) / 2
+        bends = self.carried[of.bends >= _MOSTLY]
+        if self.forced is not None:
+            line = self.forced.swept
+            bends = line.frequencies[np.array(line.names) == "bracket"]
+        loaded = float(of.too_stiff.max()) / 2
+        alone = float(of.too_high[0]) if len(of.too_high) else 0.0
+        return min([(float(self.frequencies[0]), alone), *((f, loaded) for f in bends.tolist())])
 
     @property
     def shown(self) -> tuple[Feature, ...]:
@@ -331,9 +357,14 @@ class Judged:
 
     @property
     def life_within(self) -> tuple[float, float]:
-        """Between what hours that life lies, each stress off by its error; nan without one."""
+        """Between what hours that life lies, by errors and by the flange; nan without one."""
         low, high = np.min([e.hours_within for e in self.duty] or [(np.nan, np.nan)], axis=0)
         return float(low), float(high)
+
+    @property
+    def life_meshed(self) -> float:
+        """Hours that finer elements may make of that life at most, the flange held alike."""
+        return min((e.hours_meshed for e in self.duty), default=np.nan)
 
 
 # --------------------------------------------------------------------------- one way of holding
@@ -639,17 +670,35 @@ def _worn(
     return top, np.where(way.has, done[top], 0.0)
 
 
+def _ends(error: FloatArray, ease: float) -> FloatArray:
+    """Return shares (3, features) of stress: by its error less, and `ease` of that; less; more."""
+    off = np.minimum(error, 1.0)
+    return np.stack([(1 - off) * ease, 1 - off, 1 + off])
+
+
 def _span(
     way: _Way,
     at: IntArray,
     passes: Sequence[Pass],
     strength: Mapping[Zone, Strength],
     error: FloatArray,
+    ease: float,
 ) -> FloatArray:
-    """Return the damage (m, 2) at places where stress is lower, and higher, by its error (m,)."""
-    off = np.minimum(error, 1.0)
-    ends = np.concatenate([1 - off, 1 + off])
-    return _damage(way, np.tile(at, 2), passes, strength, ends).reshape(2, -1).T
+    """Return the damage (3, features) of the place of each feature at the `_ends` of its stress."""
+    ends = _ends(error, ease)
+    some = ends[1:] if ease == 1 else ends
+    found = _damage(way, np.tile(at, len(some)), passes, strength, some.ravel())
+    found = np.where(way.has, found.reshape(len(some), -1), 0.0)  # what breaks at once is endless
+    return found if len(found) == len(ends) else found[[0, 0, 1]]
+
+
+def _kinder(ways: Sequence[_Way], each: Sequence[FloatArray], *, tight: bool) -> FloatArray:
+    """Return what is told (features,) of the flange held the kinder way, of what either way has.
+
+    In contact, which is neither, what the harsher has: contact has been told beside that one.
+    """
+    had = np.where([way.has for way in ways], each, np.nan)
+    return np.asarray((np.fmax if tight else np.fmin).reduce(had)) if each else np.zeros(0)
 
 
 # --------------------------------------------------------------------------- judge
@@ -661,7 +710,7 @@ def judge(
     cases: Sequence[Case],
     *,
     duty: Duty | None = None,
-    mounted: Callable[[Held], Mounted] | None = None,
+    mounted: Callable[[Solved], Mounted] | None = None,
     name: str = "original",
     top_speed: RadianPerSecond = np.nan,
     levels: int = LEVELS,
@@ -692,7 +741,7 @@ def judge(
         cases=tuple(c.far for c in (*cases, *riding)), weights=_weights(strength),
         gauges=bracket.gauges, carried_mass=bracket.carried_mass, rubber=bracket.rubber,
         loss=bracket.loss, levels=levels, bolted=bracket.bolts is not None,
-        reads=any(one.strain is not None for one in bracket.recordings),
+        reads=any(one.read for one in bracket.recordings),
     )  # fmt: skip
     try:
         solved = solved_apart(task, tell=told)
@@ -702,7 +751,7 @@ def judge(
     swept: Swept | None = None
     if mounted is not None:
         told("the line on this bracket")
-        on = mounted(solved.sliding)
+        on = mounted(solved)
         cases, duty, swept = on.cases, on.duty, on.swept
     told(f"stresses of {len(cases)} load cases")
     ways, known = _ways(solved)
@@ -915,11 +964,11 @@ def _outcome(
     times = np.ones(count) if case.times is None else case.times
     if not np.isfinite(case.loads).all():
         loads_of(case.loads)  # which says what is wrong
-    hot, mean, amplitude, swung, off, doubt = np.zeros((6, count))
-    forces = case.loads[:, :3]
-    peak, swing = np.abs(forces).max(axis=0), np.ptp(forces, axis=0) / 2
-    spent = np.full(count, np.nan)
+    hot, mean, amplitude, swung, off = np.zeros((5, count))
+    least, spent = np.full((2, count), np.nan)
     span = np.full((count, 2), np.nan)
+    swung_ends, eased = list[FloatArray](), list[FloatArray]()
+    ease = 1.0 if case.times is None else EASED
     best: list[tuple[Found, Found, Found]] = []
     peaks: list[_Peak] = []
     for way in ways:
@@ -927,18 +976,19 @@ def _outcome(
         places = way.places(loads)
         flat = places.ravel()
         unit = way.unit[flat]
-        outer, _ = outermost(loads, way.worth)
-        found = extremes(unit, outer)
+        level, found = _stressed(unit, loads, way.worth)
         best.append(tuple(
             Found(e.value, _point(way.points[flat[e.point]]))
             for e in (found.von_mises, found.highest, found.lowest)
         ))  # type: ignore[arg-type]  # fmt: skip
-        level = envelope(unit, outer).reshape(places.shape)
+        level = level.reshape(places.shape)
         level *= way.has[:, None]
         top = places[np.arange(count), level.argmax(axis=1)]
         peaks.append(_Peak.of(way, top, level.max(axis=1)))
+        peak, swing = np.abs(loads[:, :3]).max(axis=0), np.ptp(loads[:, :3], axis=0) / 2
         off = np.where(level.max(axis=1) > hot, _misread(way, top, case.read, peak), off)
         hot = np.maximum(hot, level.max(axis=1))
+        least = np.fmin(least, np.where(way.has, level.max(axis=1), np.nan))
         passes = np.stack(np.split(loads, case.places))
         held = way.held_by(passes)
         share, m, a = _swing(way, passes, held, strength, times)
@@ -946,20 +996,24 @@ def _outcome(
         worse = share[most] * way.has > swung
         swung = np.where(worse, share[most], swung)
         mean, amplitude = np.where(worse, m[most], mean), np.where(worse, a[most], amplitude)
-        share = _misread(way, most, case.read, swing) / np.maximum(a[most], 1e-9)
-        doubt = np.where(worse, share, doubt)
+        doubt = _misread(way, most, case.read, swing) / np.maximum(a[most], 1e-9)
         if strength and case.repeats:
+            ends = times * _ends(error + doubt, ease)
+            swung_ends.append(np.stack([
+                _used(way.kinds, more * m[most], more * a[most], strength) for more in ends
+            ]))  # fmt: skip
             does = [Pass(passes, scale=times)]
             worn, done = _worn(way, does, [held], strength)
-            within = _span(way, worn, does, strength, error + share) * way.has[:, None]
-            span = np.fmax(span, within)
+            kind, low, high = _span(way, worn, does, strength, error + doubt, ease)
+            eased.append(kind)
+            span = np.fmax(span, np.stack([low, high], axis=-1))
             spent = np.fmax(spent, done)
-    swung_within = np.full((count, 2), np.nan)
-    if strength and case.repeats:
-        ends = [times * (1 + sign * np.minimum(error + doubt, 1.0)) for sign in (-1, 1)]
-        swung_within = np.stack([
-            _used(ways[0].kinds, more * mean, more * amplitude, strength) for more in ends
-        ], axis=-1)  # fmt: skip
+    used_within = np.full((count, 2), np.nan)
+    if swung_ends:
+        least_used = [kind for kind, *_ in swung_ends]
+        most_used = [np.where(w.has, e[-1], 0.0) for w, e in zip(ways, swung_ends, strict=True)]
+        used_within[:, 0] = _kinder(ways, least_used, tight=case.times is not None)
+        used_within[:, 1] = np.max(most_used, axis=0)
     sliding = ways[0]
     loads = sliding.loads(case)
     strain = superpose(sliding.influence[..., None], loads)[..., 0]
@@ -971,6 +1025,7 @@ def _outcome(
         life = Endured(
             when=case.when, spots=spent, gauges=gauges,
             turns=case.turns, duration=case.duration, span=span,
+            eased=_kinder(ways, eased, tight=case.times is not None),
         )  # fmt: skip
     found = Outcome(
         case=case,
@@ -980,10 +1035,11 @@ def _outcome(
         on_edge=_on_edge(solved, case.loads),
         hot=hot,
         error=error * hot + off,
+        least=np.nan_to_num(least),
         mean=mean,
         amplitude=amplitude,
         used=swung if strength and case.repeats else np.full(count, np.nan),
-        used_within=swung_within,
+        used_within=used_within,
         strain=np.stack([strain.min(axis=-1), strain.max(axis=-1)], axis=-1),
         bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
         motion=float(np.linalg.norm(motion, axis=-1).max()),
@@ -993,15 +1049,45 @@ def _outcome(
     return found, peaks
 
 
+def _stressed(
+    unit: FloatArray, loads: FloatArray, worth: FloatArray
+) -> tuple[FloatArray, Extremes]:
+    """Return the highest von Mises stress (m,) Pa of unit stresses (m, c, 6) under loads (t, c).
+
+    And the extremes of all. Of a long history at the moments that lie farthest from no load, and at
+    all of them where one of the others may make more: of compression they may.
+    """
+    outer, ways = outermost(loads, worth)
+    level, found = envelope(unit, outer), extremes(unit, outer)
+    beyond = superpose(unit, ways.T)
+    mises, tension = (
+        np.sqrt(np.linalg.eigvalsh(beyond @ of @ beyond.mT).max(axis=1, initial=0.0))
+        for of in (_MISES, _SIZE)
+    )
+    left = np.flatnonzero((mises > level) | (tension > found.highest.value))
+    if len(left):
+        level[left], also = envelope(unit[left], loads), extremes(unit[left], loads)
+        found = Extremes(
+            max(found.von_mises, also.at(left).von_mises, key=_value),
+            max(found.highest, also.at(left).highest, key=_value),
+            min(found.lowest, also.at(left).lowest, key=_value),
+        )
+    return level, found
+
+
+def _value(of: Extreme) -> float:
+    return of.value
+
+
 def _misread(way: _Way, at: IntArray, read: Recovered | None, size: FloatArray) -> FloatArray:
     """Return the stress (m,) Pa at places that what gauges read wrong makes of forces (3,) N.
 
-    Each gauge by chance; nothing where no forces are read from gauges.
+    Nothing where no forces are read from gauges.
     """
     if read is None:
         return np.zeros(len(at))
-    each = von_mises(superpose(way.unit[at, :3], read.inverse.T))
-    return np.linalg.norm(each, axis=1) * read.misread(size)
+    each = von_mises(superpose(way.unit[at, :3], read.ways_off(size).T))
+    return np.linalg.norm(each, axis=1)
 
 
 def _pulls_off(nodes: Nodes, forces: FloatArray) -> bool:
@@ -1045,13 +1131,15 @@ def _duty(
         if not _passes(ways[0], parts):
             continue
         worst, span = np.zeros(ways[0].count), np.zeros((ways[0].count, 2))
+        tight, eased = any(case.times is not None for _, case in parts), list[FloatArray]()
         for way in ways:
             passes = _passes(way, parts)
             held = [way.held_by(p.loads) for p in passes]
             top, done = _worn(way, passes, held, strength)
             worst = np.maximum(worst, done)
-            within = _span(way, top, passes, strength, error)
-            span = np.maximum(span, within * way.has[:, None])
+            kind, low, high = _span(way, top, passes, strength, error, EASED if tight else 1.0)
+            eased.append(kind)
+            span = np.maximum(span, np.stack([low, high], axis=-1))
         gauges = [
             (share, Endured(
                 when=when, spots=np.zeros(0), turns=case.turns, duration=case.duration,
@@ -1059,7 +1147,9 @@ def _duty(
             ))
             for share, case in parts
         ]  # fmt: skip
-        spent.append(replace(mixed(when, gauges), spots=worst, span=span))
+        spent.append(replace(
+            mixed(when, gauges), spots=worst, span=span, eased=_kinder(ways, eased, tight=tight)
+        ))  # fmt: skip
     if not spent:
         return spent, np.zeros(0), []
     state = max(range(len(spent)), key=lambda k: spent[k].worst)
@@ -1131,6 +1221,7 @@ def _sorted(o: Outcome, order: IntArray) -> Outcome:
     return replace(
         o, hot=o.hot[order], error=o.error[order], mean=o.mean[order],
         amplitude=o.amplitude[order], used=o.used[order], used_within=o.used_within[order],
+        least=o.least[order],
         times=None if o.times is None else o.times[order],
         life=o.life.at(order) if o.life else None,
     )  # fmt: skip

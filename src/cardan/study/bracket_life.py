@@ -176,6 +176,8 @@ class Endured:
     span : (k, 2)
         Damage at each hot spot where stress is lower and higher than told, by its error; nan where
         nobody estimated that.
+    eased : (k,)
+        The same where it is lower and the flange is held the kinder way.
     """
 
     when: Occasion
@@ -184,12 +186,13 @@ class Endured:
     turns: float
     duration: float
     span: FloatArray | None = None
+    eased: FloatArray | None = None
 
     def at(self, places: ArrayLike) -> "Endured":
         """Return the same of some of its hot spots (places,), in their order."""
         picked = np.asarray(places)
-        span = None if self.span is None else self.span[picked]
-        return replace(self, spots=self.spots[picked], span=span)
+        span, eased = (None if v is None else v[picked] for v in (self.span, self.eased))
+        return replace(self, spots=self.spots[picked], span=span, eased=eased)
 
     @property
     def worst(self) -> float:
@@ -215,12 +218,21 @@ class Endured:
     def hours_within(self) -> tuple[float, float]:
         """Least and most hours to failure, each stress off by its error; nan where not known.
 
-        What fails first may be another spot than the one that fares worst.
+        At most with the flange held the kinder way. What fails first may be another spot than the
+        one that fares worst.
         """
         if self.span is None:
             return math.nan, math.nan
-        low, high = (float(x) / self.duration * hour for x in self.span.max(axis=0))
-        return _until(high), _until(low)
+        kind = self.span[:, 0] if self.eased is None else self.eased
+        return self._hours(self.span[:, 1]), self._hours(kind)
+
+    @property
+    def hours_meshed(self) -> float:
+        """Most hours to failure by the error of stresses alone, the flange held as it is told."""
+        return math.nan if self.span is None else self._hours(self.span[:, 0])
+
+    def _hours(self, spots: FloatArray) -> float:
+        return _until(float(spots.max()) / self.duration * hour)
 
 
 def _until(rate: float) -> float:

@@ -4,7 +4,7 @@ A sheet that is thicker never lives shorter; that is all the search takes for gr
 sizes that differ in thickness alone the thinnest that does is found by halving, and a heavier
 set is not tried where a lighter one does. Each try hangs the line in its own bracket. A first
 mesh tells which are far off; who wins is judged like any bracket, and falls where it must:
-where it lives too short, or its bolts slip more than the profile allows.
+where it lives too short, its sheet yields, a recording wears it out, or its bolts slip.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -17,14 +17,14 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import Kilogram, Metre, hour, mm
-from cardan.base.verdict import Limit
+from cardan.base.verdict import Check, Limit, badness
 from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.refine import LEVELS
 from cardan.bracket.solve import weighed_apart
 from cardan.model.application import Application
 from cardan.model.bracket import Bracket, Search, Shape
-from cardan.study.bracket import Bench
+from cardan.study.bracket import Bench, BracketAnswer, checks_of
 from cardan.study.bracket_judge import Judged, Slip
 from cardan.study.finding import BRACKET, SLIP, limits_of
 
@@ -47,6 +47,8 @@ class Tried:
         Whether its mesh was made finer until its maxima stayed.
     slips : Slip
         What asks most of its bolts, where that is more than they may be asked; else None.
+    fails : Check
+        Where it yields, or a recording wears it out, by most; None where nowhere.
     judged : Judged
         All of it.
     """
@@ -57,11 +59,17 @@ class Tried:
     refined: bool
     judged: Judged
     slips: Slip | None = None
+    fails: Check | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether it fails nowhere, however long it lives."""
+        return self.slips is None and self.fails is None
 
     @property
     def at_most(self) -> float:
         """Hours that its error leaves it at most."""
-        return float(np.fmax(self.life, self.judged.life_within[1]))
+        return float(np.fmax(self.life, self.judged.life_meshed))
 
     @property
     def at_least(self) -> float:
@@ -132,7 +140,8 @@ def search(application: Application, *, tell: Progress = hushed) -> Searched:
         bracket, gauges=(), recordings=tuple(r for r in bracket.recordings if r.strain is None)
     )
     bench = Bench.of(replace(application, bracket=bare))
-    slip = [m for m in limits_of(BRACKET, application) if m.quantity == SLIP]
+    limits = limits_of(BRACKET, application)
+    slip = [m for m in limits if m.quantity == SLIP]
     tried: list[Tried] = []
     known: dict[tuple[int, int, bool], Tried | None] = {}
     fallen: set[tuple[int, int]] = set()
@@ -152,7 +161,7 @@ def search(application: Application, *, tell: Progress = hushed) -> Searched:
                 return None
             known[key] = one = Tried(
                 sizes=sizes, mass=mass, life=judged.life, refined=refined, judged=judged,
-                slips=_slips(judged, slip),
+                slips=_slips(judged, slip), fails=_fails(bench, judged, limits),
             )  # fmt: skip
             tried.append(one)
         return known[key]
@@ -169,11 +178,11 @@ def search(application: Application, *, tell: Progress = hushed) -> Searched:
     best: Tried | None = None
     while (at := lightest([[m for *_, m in row] for row in rows], does=does)) is not None:
         one = asked(*at, refined=True)
-        if one is not None and one.life >= target and one.slips is None:
+        if one is not None and one.life >= target and one.holds:
             best = one
             break
-        # Whether bolts slip does not go with thickness, but what is thinner was found to live
-        # too short, or fell before.
+        # Whether bolts slip or sheet yields may not go with thickness, but what is thinner was
+        # found to live too short, or fell before.
         fallen.add(at)
     return Searched(
         target=target,
@@ -195,6 +204,17 @@ def _slips(judged: Judged, limits: Sequence[Limit]) -> Slip | None:
     if worst is None or (worst.share <= 1 and all(m.grade(worst.share) != "fail" for m in limits)):
         return None
     return worst
+
+
+def _fails(bench: Bench, judged: Judged, limits: Sequence[Limit]) -> Check | None:
+    """Return where a bracket fails most by yield, or under a recording."""
+    of = BracketAnswer(
+        title="", bracket=bench.bracket, top_speed=bench.top_speed, variants=(judged,)
+    )
+    asked = [m for m in limits if m.quantity in ("bracket_stress_utilisation", "bracket_life")]
+    found = checks_of(of, judged, asked)
+    failed = [c for c in found if c.grade == "fail" and c.when.kind == "case"]
+    return min(failed, key=badness, default=None)
 
 
 def _asked(application: Application) -> tuple[Bracket, Search]:

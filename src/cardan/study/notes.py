@@ -8,7 +8,7 @@ from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.said import Said, said
 from cardan.base.units import mm
 from cardan.base.verdict import EQUAL, GRADES
-from cardan.demand.suspension import spring_load, table_rates
+from cardan.demand.suspension import AT_LIMIT, spring_load, table_rates
 from cardan.loads.rubber import LOSS
 from cardan.model.application import Application
 from cardan.model.vehicle import Spring
@@ -43,6 +43,7 @@ def noted(application: Application, responses: Sequence[Response]) -> Iterator[S
     yield from _set_down(responses)
     yield from _lifted_axles(responses)
     yield from _not_driven(responses)
+    yield from _left_out(responses)
 
 
 def _figures(value: float) -> str:
@@ -246,3 +247,51 @@ def _not_driven(responses: Iterable[Response]) -> Iterator[Said]:
         )
     if any(d.standing.line.reverse is None for d in of):
         yield said("backing is not asked: reverse_ratio of the gearbox would say its torque")
+    springs = [
+        s for d in of if (s := d.standing.line.suspension) and s.windup_stiffness is not None
+    ]
+    if any(np.all(s.brake_torque == 0) for s in springs):
+        yield said(
+            "braking is not asked: brake_torque of the suspension would say how it turns the axle"
+        )
+
+
+def _left_out(responses: Iterable[Response]) -> Iterator[Said]:
+    """Yield, line by line, what torque would do that nobody can tell of it."""
+    for r in responses:
+        of, line = r.demand.standing, r.demand.standing.line
+        if np.isnan(r.demand.torque).all() or r.layout.points.ndim > 3:
+            continue
+        spline = r.line.shafts[-1].spline
+        if r.line.centre_bearings and spline is not None and spline.mean_radius is None:
+            yield said(
+                "the spline of line {line} is taken to slide freely: mean_radius_mm would say its "
+                "thrust",
+                line=r.line.name,
+            )
+        springs = line.suspension
+        if springs is None or line.axle is None or not line.free.any():
+            continue
+        if springs.windup_stiffness is None:
+            yield said(
+                "torque does not wind up the axle of line {line}: windup_stiffness would say how "
+                "far",
+                line=r.line.name,
+            )
+        if np.all(springs.unsprung_mass == 0):
+            yield said(
+                "the springs of line {line} carry all of the axle's load: unsprung_mass_kg would "
+                "say what they do not",
+                line=r.line.name,
+            )
+        at_rest = np.array([s.kind is not None and s.kind not in AT_LIMIT for s in line.states])
+        lever = np.broadcast_to(np.isfinite(of.loads.lever), at_rest.shape)
+        unknown = line.free & at_rest & ~(of.squats & lever)
+        if springs.squats and unknown.any():
+            yield said(
+                "the axle of line {line} is not moved on its springs by what its tyres pull in "
+                "{states}: {missing} would say how far",
+                line=r.line.name,
+                states=_where(r, unknown),
+                missing="tyre" if line.tyre is None else "cg_height_mm",
+            )

@@ -17,16 +17,13 @@ from functools import partial
 import numpy as np
 
 from cardan.base.arrays import FloatArray
+from cardan.bracket.gauges import FELT
 from cardan.fatigue.damage import Life
 from cardan.fatigue.life import GaugeLife, Plan
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.usage import usage
 from cardan.model.application import Application
 from cardan.study.identification import STRETCH, Identification, load_history
-
-TOLD = 0.2
-"""Share of what the force that gauges feel most does to them, below which a force is not read back:
-what a wire has of noise would stand for it."""
 
 FASTEST = 500.0
 """Samples a second that a history has at most: those of a mode of 60 Hz miss 2 % of its crests."""
@@ -113,7 +110,7 @@ def bearing_history(
     step = max(1, round(rate / FASTEST))
     drive = partial(load_history, of, rotation, torque, seconds=seconds, rate=rate / step)
     time, joints = drive()
-    felt, back = np.zeros_like(joints), np.linalg.pinv(of.units, rcond=TOLD)
+    felt, back = np.zeros_like(joints), np.linalg.pinv(of.units, rcond=FELT)
     done = 0
     for piece in stress:
         first = -(-done // step)

@@ -26,7 +26,7 @@ from importlib import import_module
 from io import BytesIO
 from os import cpu_count
 from pathlib import Path
-from threading import Event
+from threading import Event, local
 from time import perf_counter
 from typing import Any, TypeAlias, cast
 from zipfile import BadZipFile
@@ -800,11 +800,7 @@ def workers_of(kind: str, count: int) -> Generator[Executor | None, None, None]:
     if kind == "threads":
         yield None
     elif kind == "processes":
-        from concurrent.futures import ProcessPoolExecutor
-        from multiprocessing import get_context
-
-        context = get_context("spawn")  # a fork of a process with threads may never wake
-        with ProcessPoolExecutor(count, mp_context=context, initializer=_bound) as pool:
+        with Processes(count) as pool:
             try:
                 yield pool
             except BrokenExecutor as error:
@@ -853,17 +849,65 @@ class Cluster(Executor):
             return 1  # its client is closed, or closing: the shards it loses tell that
 
 
-def _bound() -> None:
-    """Bind a process that works to the one that hands out: its keyboard, and its end.
+class Processes(ThreadPoolExecutor):
+    """Processes that work, each at the end of a pipe of its own, which a thread here listens to.
 
-    Those that wait for work hold the pipe it comes by open for each other, so none would see
-    that nobody is left to send any.
+    Those of `concurrent.futures` answer through one pipe for all: where one is killed half-way
+    through what it says, whoever listens waits for the rest for ever.
     """
-    import os
-    import signal
-    from multiprocessing import parent_process
-    from threading import Thread
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if giver := parent_process():
-        Thread(target=lambda: (giver.join(), os._exit(1)), daemon=True).start()
+    def __init__(self, count: int) -> None:
+        super().__init__(count)
+        self._own = local()
+        self._begun: list[tuple[Any, Any]] = []
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Hand a call to whichever process is free."""
+        return super().submit(self._have, fn, args, kwargs)
+
+    def _have(self, *call: Any) -> Any:
+        pipe = self._pipe()
+        try:
+            pipe.send(call)
+            done, found = pipe.recv()
+        except (EOFError, OSError) as error:
+            raise BrokenExecutor from error
+        if done:
+            return found
+        raise found
+
+    def _pipe(self) -> Any:
+        """Return the pipe to this thread's process; begin it at its first call."""
+        if not hasattr(self._own, "pipe"):
+            from multiprocessing import get_context
+
+            context = get_context("spawn")  # a fork of a process with threads may never wake
+            self._own.pipe, its = context.Pipe()
+            process = context.Process(target=_serve, args=(its,), daemon=True)
+            process.start()
+            its.close()  # so that its end is the end of the pipe
+            self._begun.append((process, self._own.pipe))
+        return self._own.pipe
+
+    def __exit__(self, *why: object) -> None:
+        """End the processes, when they have done what they were handed."""
+        super().__exit__(*why)
+        for process, pipe in self._begun:
+            pipe.close()
+            process.join()
+
+
+def _serve(pipe: Any) -> None:
+    """Do what comes through a pipe, until whoever hands it out is gone."""
+    import signal
+    from traceback import format_exc
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the keyboard is the other's
+    with suppress(EOFError, OSError):
+        while True:
+            fn, args, kwargs = pipe.recv()
+            try:
+                pipe.send((True, fn(*args, **kwargs)))
+            except Exception as error:  # noqa: BLE001  whoever handed it out is told
+                error.add_note(format_exc())  # which a pipe leaves behind
+                pipe.send((False, error))
