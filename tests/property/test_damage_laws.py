@@ -12,8 +12,16 @@ from cardan.base.errors import DesignError
 from cardan.base.units import MPa
 from cardan.fatigue import strength
 from cardan.fatigue.correction import fkm, gerber, goodman, swt, uncorrected, walker
-from cardan.fatigue.damage import Life, damage_exponent, equivalent_range, miner, repeats_at
-from cardan.fatigue.rainflow import FromTo, rainflow
+from cardan.fatigue.damage import (
+    LEAVES,
+    Life,
+    damage_exponent,
+    equivalent_range,
+    miner,
+    nearly,
+    repeats_at,
+)
+from cardan.fatigue.rainflow import FromTo, half_cycles, rainflow
 from cardan.fatigue.strength import SNCurve
 
 CURVE = SNCurve(amplitude=100 * MPa, cycles=2e6, slope=5, scatter=0.05)
@@ -156,3 +164,20 @@ def test_impossible_curves_are_refused(change):
 
 def test_correction_does_not_touch_the_amplitude_when_none_is_asked():
     assert uncorrected([3.0], [9.0]) == [3.0]
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("slope", [2, 3, 5, 9])
+@pytest.mark.parametrize("name", [None, "goodman", "fkm"])
+def test_small_cycles_that_are_left_out_do_no_more_than_said(seed, slope, name):
+    """Against every cycle of it counted: steep curves leave most out, flat ones hardly any."""
+    rng = np.random.default_rng(seed)
+    x = 30 * MPa + 20 * MPa * rng.normal(size=4000) * rng.lognormal(0, 1, 4000)
+    x[rng.integers(0, 4000, 50)] = np.nan
+    correct = uncorrected if name is None else CORRECTIONS[name]
+    for curve in (SNCurve(amplitude=100 * MPa, cycles=2e6, slope=slope).modified(),
+                  SNCurve(amplitude=100 * MPa, cycles=2e6, slope=slope).elementary()):  # fmt: skip
+        every = miner(rainflow(x), curve=curve, correction=correct)
+        told = nearly(x, rule=half_cycles, curve=curve, correction=correct)
+        assert every * (1 - LEAVES) <= told <= every * (1 + 1e-12)
+    assert nearly(np.full(9, 5.0), rule=half_cycles, curve=CURVE) == 0

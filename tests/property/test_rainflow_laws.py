@@ -8,14 +8,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from cardan.fatigue import kernel
 from cardan.fatigue.kernel import fastest, gated, plain
 from cardan.fatigue.rainflow import (
     FromTo,
     discarded,
     four_point,
+    four_points,
     half_cycles,
     join,
     level_crossings,
+    of_choices,
     rainflow,
     range_mean,
     range_pairs,
@@ -201,3 +204,49 @@ def test_a_gate_passes_over_small_cycles_alone(values, gate):
 def gated_plain(x, gate):
     out = np.empty(x.size + 2)
     return out[: gated(x, gate, out)].copy()
+
+
+@pytest.fixture(params=["compiled", "plain"])
+def loops(request, monkeypatch):
+    if request.param == "plain":
+        monkeypatch.setattr(kernel, "_compiled", lambda _: None)
+
+
+@pytest.mark.usefixtures("loops")
+@pytest.mark.parametrize("seed", range(5))
+def test_every_choice_of_parts_counts_as_its_sum(seed):
+    """Two stretches one after the other, the parts of each added by NumPy; whole numbers: exact."""
+    rng = np.random.default_rng(seed)
+    k = int(rng.integers(1, 6))  # 5 of them are two goes of sixteen
+    stretches = [rng.integers(-9, 10, (k, int(rng.integers(1, 80)))).astype(float) for _ in "ab"]
+    open_now = [np.empty(0)] * (1 << k)
+    closed = {c: [] for c in range(1 << k)}
+    for parts in stretches:
+        before = list(open_now)
+        for choices, rows in of_choices(parts, gate=0.0, residues=before):
+            for n, (choice, left) in enumerate(zip(choices, rows.residues, strict=True)):
+                open_now[choice] = left
+                mine = rows.row == n
+                closed[choice].append(
+                    type(rows.cycles)(*(v[mine] for v in vars(rows.cycles).values()))
+                )
+    whole = np.concatenate(stretches, axis=-1)
+    for choice in range(1 << k):
+        bits = choice >> np.arange(k) & 1
+        cycles, left = four_point(bits @ whole)
+        assert table(join(closed[choice])) == table(cycles), choice
+        assert open_now[choice].tolist() == left.tolist()
+
+
+@pytest.mark.usefixtures("loops")
+@modest
+@given(rows=pieces, residues=pieces)
+def test_rows_counted_at_once_count_as_each(rows, residues):
+    n = min(len(rows), len(residues))
+    before = [four_point(r)[1] for r in residues[:n]]
+    found = four_points(rows[:n], residues=before)
+    for k, (x, residue) in enumerate(zip(rows[:n], before, strict=True)):
+        cycles, left = four_point(x, residue=residue)
+        assert found.residues[k].tolist() == left.tolist()
+        assert found.cycles.start[found.row == k].tolist() == cycles.start.tolist()
+        assert found.cycles.end[found.row == k].tolist() == cycles.end.tolist()

@@ -1,7 +1,7 @@
 """A campaign's file: many recordings, one question; the same answers as one by one."""
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import jsonschema
 import numpy as np
@@ -11,6 +11,7 @@ from click.testing import CliRunner
 from cardan.base.errors import BadFile, DesignError
 from cardan.cli.main import cli
 from cardan.fatigue.damage import miner, more_in_turn
+from cardan.fatigue.evidence import Evidence
 from cardan.fatigue.rainflow import four_point, rainflow, repeating
 from cardan.fatigue.recording import alongside, between, in_memory
 from cardan.fatigue.strength import SNCurve
@@ -18,6 +19,7 @@ from cardan.files.campaign import read, schema
 from cardan.report.contract_schema import schema as described
 from cardan.report.language import EN, Language
 from cardan.report.life import under_way
+from cardan.study.recording import _crossed
 
 RATE = 500.0
 T = np.arange(20_000) / RATE
@@ -308,6 +310,46 @@ def test_segments_that_overlap_say_so(folder):
     note = "down and up have 5 s in common, which count in both"
     assert note in down["notes"]
     assert note not in up["notes"]
+
+
+@dataclass(frozen=True)
+class Told:
+    """As much of what was heard as says who was guilty in it."""
+
+    recording: "Told | None" = None
+    causes: "Told | None" = None
+    gauges: tuple[str, ...] = ()
+    evidence: tuple[Evidence, ...] = ()
+    notes: tuple[str, ...] = ()
+
+
+GUILTY, INNOCENT, WIDE = (
+    Evidence(removed=a, interval=(b, c), strength=99.0)
+    for a, b, c in ((0.9, 0.8, 1.0), (0.0, -0.1, 0.1), (0.5, 0.0, 1.0))
+)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "crossed"),
+    [
+        ((GUILTY, INNOCENT), (INNOCENT, GUILTY), True),
+        ((GUILTY, INNOCENT), (GUILTY, INNOCENT), False),
+        ((GUILTY, INNOCENT), (INNOCENT, INNOCENT), False),
+        ((GUILTY, GUILTY), (INNOCENT, GUILTY), False),
+        ((GUILTY, WIDE), (INNOCENT, GUILTY), False),
+    ],
+)
+def test_findings_that_change_places_say_so(first, second, crossed):
+    """Two plugs exchanged between two files made the mix's damage 0.6 and 94 times what it was."""
+    parts = [
+        (name, 1.0, Told(recording=Told(), causes=Told(gauges=("S1", "S2"), evidence=told)))
+        for name, told in (("a", first), ("b", second))
+    ]
+    (_, _, a), (_, _, b) = _crossed(parts)
+    assert a.recording.notes == ()
+    assert (
+        any("S2 is guilty here and S1 is not, and in a" in n for n in b.recording.notes) == crossed
+    )
 
 
 @pytest.mark.parametrize(

@@ -196,6 +196,61 @@ def test_hum_is_counted_both_ways(tmp_path, hertz):
     assert f"a steady tone of {round(hertz, -1):.0f} Hz, amplitude 12" in told
 
 
+@pytest.mark.parametrize(
+    ("hum", "true"),
+    [
+        (lambda t: 8 * np.sin(2 * np.pi * 100 * t), "a rectifier's, at twice the mains"),
+        (lambda t: 8 * np.sin(2 * np.pi * 50 * t) * (t > 40), "switched on part way"),
+        (lambda t: 5 * np.sin(2 * np.pi * 50 * t) + 5 * np.sin(2 * np.pi * 150 * t), "both"),
+    ],
+    ids=lambda v: v if isinstance(v, str) else "",
+)
+def test_hum_at_its_harmonics_and_for_a_while_is_hum(tmp_path, hum, true):
+    """Of these 3 to 6 times the damage was told, as good. What is taken off is what was put on."""
+    path = written(tmp_path, {"S1": stress() / 3 + hum(T)})
+    gauge = asked(path, "--gauge", "S1:MPa", *SN)
+    assert gauge["quality"]["vetoes"] == ["hum"], true
+    (suspect,) = gauge["quality"]["suspects"]
+    written(tmp_path, {"S1": stress() / 3})
+    clean = asked(path, "--gauge", "S1:MPa", *SN, code=0)["damage"]
+    assert suspect["damage_recorded"] > 2 * clean
+    assert suspect["damage_without"] == pytest.approx(clean, rel=0.05)
+
+
+def test_a_cruise_of_some_seconds_at_50_hz_is_no_hum():
+    """An order holds still for ten seconds, and goes on elsewhere."""
+    rng = np.random.default_rng(5)
+    t = np.arange(round(90 * RATE)) / RATE
+    speed = np.interp(t, [0, 30, 40, 41, 90], [35, 50, 50, 52, 60])
+    listener = Listener(RATE)
+    listener.add(np.sin(2 * np.pi * np.cumsum(speed) / RATE) + 0.1 * rng.normal(size=t.size))
+    assert listener.found(deviation=0.7) is None
+
+
+def test_lines_laid_between_few_samples_are_no_samples(tmp_path):
+    """25 samples a second laid on 500: a quarter of the damage was told, as good."""
+    t = np.arange(0, T[-1], 1 / 25)
+    path = written(tmp_path, {"S1": np.interp(T, t, np.interp(t, T, stress()))})
+    vetoed(path, "rate", "--gauge", "S1:MPa", *SN, says=("25 samples a second", "fewer than 50"))
+    asked(path, "--gauge", "S1:MPa", *SN, "--accept", "rate", code=0)
+    # Those of which half are samples are no longer met than they say.
+    fine = np.arange(0, T[-1], 2.2 / RATE)
+    written(tmp_path, {"S1": np.interp(T, fine, np.interp(fine, T, stress()))})
+    asked(path, "--gauge", "S1:MPa", *SN, code=0)
+
+
+def test_a_contact_that_chatters_for_tenths_of_a_second_is_said(tmp_path):
+    """White, so what was faster still is folded in: 70 times the damage, in 2 % of the power."""
+    rng, x = np.random.default_rng(4), stress() / 3
+    for k in rng.integers(0, x.size - 100, 2):
+        x[k : k + 100] += 40 * rng.normal(size=100)
+    path = written(tmp_path, {"S1": x})
+    told = run(path, "--gauge", "S1:MPa", *SN, "--accept", "spike", "--accept", "dropout").output
+    assert "a contact chatters" in told
+    written(tmp_path, {"S1": stress() / 3})
+    assert "chatters" not in run(path, "--gauge", "S1:MPa", *SN).output
+
+
 def _tones():
     rng = np.random.default_rng(3)
     t = np.arange(60_000) / RATE

@@ -1524,7 +1524,9 @@ def test_what_a_process_leaves_half_done_goes_with_it(tmp_path, monkeypatch):
         (folder,) = tmp_path.iterdir()
         environment = Path(f"/proc/{lane.pid}/environ")
         if environment.exists():
-            assert f"TMPDIR={folder}".encode() in environment.read_bytes().split(b"\0")
+            while not (held := environment.read_bytes()):  # it is being begun
+                await asyncio.sleep(0.01)
+            assert f"TMPDIR={folder}".encode() in held.split(b"\0")
         (folder / "question").write_text(TEXT, "utf-8")
         lane.close()
         await lane.closed()

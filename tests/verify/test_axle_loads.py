@@ -127,7 +127,7 @@ def test_a_grade_adds_no_second_transfer():
     ("drive", "drives", "share", "expected"),
     [
         ("4x2", "rear", 1.0, W * LF / (L - MU * H)),
-        ("4x4", "front", 1.0, W * (LR - MU * H) / L),
+        ("4x4", "front", 1.0, W * LR / (L + MU * H)),  # as in front drive: the rear on ice
         ("4x4", "rear", 1.0, W * (LF + MU * H) / L),
         ("4x4", "all", 1.0, W),
         ("6x2", "rear", 1.0, 0.5 * W * LF / (L - 0.5 * MU * H)),
@@ -136,7 +136,7 @@ def test_a_grade_adds_no_second_transfer():
         ("6x6", "all", 1.0, W),
         ("8x2", "rear", 1.0, 0.5 * W * LF / (L - 0.5 * MU * H)),
         ("8x4", "rear", 1.0, W * LF / (L - MU * H)),
-        ("8x8", "front", 0.5, 0.5 * W * (LR - MU * H) / L),
+        ("8x8", "front", 0.5, 0.5 * W * LR / (L + 0.5 * MU * H)),
     ],
 )
 def test_every_drive_puts_its_own_load_behind_a_line(drive, drives, share, expected):

@@ -21,7 +21,7 @@ from cardan.fatigue.angle import Angle
 from cardan.fatigue.cuts import order_cuts, windows
 from cardan.fatigue.orders import Rotation
 from cardan.report.contract_schema import schema
-from cardan.study.identification import changed, identify, load_history
+from cardan.study.identification import _pole, changed, identify, load_history
 from cardan.study.promise import bearing_history
 
 TRUE = Truth()
@@ -304,3 +304,10 @@ def test_what_cannot_be_identified_is_refused(told, options, said):
     )
     assert done.exit_code == 2
     assert said in done.output
+
+
+@pytest.mark.parametrize("z", [0.05, 1.0, 1.28])
+def test_a_mode_s_pole_is_a_root_of_its_equation(z):
+    """s² + 2 z w s + w² = 0, damped beyond 1 too, which a search may try: it was no number."""
+    pole = _pole(30.0, z)
+    assert pole**2 + 2 * z * 30.0 * pole + 30.0**2 == pytest.approx(0.0, abs=1e-9)

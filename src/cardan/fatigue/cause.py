@@ -19,16 +19,16 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, ComplexArray, FloatArray
 from cardan.fatigue.conditioning import Filter, low_pass
 from cardan.fatigue.correction import Correction, uncorrected
-from cardan.fatigue.damage import damages, miner
+from cardan.fatigue.damage import damages, harmless, miner
 from cardan.fatigue.orders import Rotation, Split, Splitter, Tone
 from cardan.fatigue.rainflow import (
     NONE,
-    Cycles,
     ResidueRule,
+    Rows,
     four_point,
+    four_points,
     half_cycles,
-    join,
-    without_small,
+    of_choices,
 )
 from cardan.fatigue.strength import SNCurve
 
@@ -219,10 +219,6 @@ class Attribution:
         return {cause: self.share(cause) for cause in self.causes}
 
 
-AT_ONCE = 16
-"""Choices whose cycles are held until their damage is asked."""
-
-
 class _Choices:
     """Damage of one channel over all choices of causes, as stretches pass.
 
@@ -237,8 +233,8 @@ class _Choices:
         self.damage: dict[int, float] = {0: 0.0}
         self.residue: dict[int, FloatArray] = {0: NONE}
         self.here: list[int] = []
-        self.lately: dict[int, float] = {}
-        self.open: dict[int, FloatArray] = {}
+        self.lately: FloatArray = np.zeros(1)
+        self.open = [NONE]
 
     def add(self, parts: FloatArray, gate: float) -> None:
         """Count every choice of a stretch (causes, n), without cycles below a gate."""
@@ -246,22 +242,12 @@ class _Choices:
         if here != self.here:
             self._spread()
             self.here = here
-        x, choice = np.zeros(parts.shape[1]), 0
-        closed: dict[int, Cycles] = {}
-        # Gray's order: from one choice to the next a single cause comes or goes.
-        for step in range(1 << len(here)):
-            if step:
-                k = here[(step & -step).bit_length() - 1]
-                choice ^= 1 << k
-                (np.add if choice >> k & 1 else np.subtract)(x, parts[k], out=x)
-            kept = without_small(x, gate=gate)
-            closed[choice], self.open[choice] = four_point(
-                kept, residue=self.open.get(choice, NONE)
-            )
-            if len(closed) >= AT_ONCE or step + 1 == 1 << len(here):
-                for of, done in self._done(closed):
-                    self.lately[of] = self.lately.get(of, 0.0) + done
-                closed = {}
+            self.lately, self.open = np.zeros(1 << len(here)), [NONE] * (1 << len(here))
+        some = parts if len(here) == len(parts) else parts[here]
+        for choices, rows in of_choices(some, gate=gate, residues=self.open):
+            self.lately[choices] += self._done(rows)
+            for choice, left in zip(choices, rows.residues, strict=True):
+                self.open[choice] = left
 
     def _spread(self) -> None:
         """Enter what was counted lately, with every choice of those that rested then."""
@@ -270,23 +256,23 @@ class _Choices:
                 self.acted.append(k)
                 for book in (self.damage, self.residue):
                     book |= {choice | 1 << k: value for choice, value in book.items()}
-        rests = [0]
-        for k in self.acted:
-            rests += [] if k in self.here else [others | 1 << k for others in rests]
-        closed: dict[int, Cycles] = {}
-        for choice, left in self.open.items():
-            for of in (choice | others for others in rests):
-                closed[of], self.residue[of] = four_point(left, residue=self.residue[of])
-                self.damage[of] += self.lately[choice]
-        for of, done in self._done(closed):
-            self.damage[of] += done
-        self.lately, self.open = {}, {}
+        resting = [k for k in self.acted if k not in self.here]
+        own, others = (
+            [sum(1 << k for j, k in enumerate(of) if c >> j & 1) for c in range(1 << len(of))]
+            for of in (self.here, resting)
+        )
+        every = [(k, mine | more) for k, mine in enumerate(own) for more in others]
+        rows = four_points(
+            [self.open[k] for k, _ in every], residues=[self.residue[of] for _, of in every]
+        )
+        for (k, of), done, left in zip(every, self._done(rows), rows.residues, strict=True):
+            self.damage[of] += float(self.lately[k] + done)
+            self.residue[of] = left
 
-    def _done(self, closed: dict[int, Cycles]) -> Iterator[tuple[int, float]]:
-        """Yield the damage of some choices' cycles: of few, none costs as much as a call."""
-        done = damages(join(closed.values()), curve=self.curve, correction=self.correction)
-        of = np.repeat(np.arange(len(closed)), [cycles.count.size for cycles in closed.values()])
-        yield from zip(closed, np.bincount(of, done, len(closed)).tolist(), strict=True)
+    def _done(self, rows: Rows) -> FloatArray:
+        """Return the damage (rows,) of cycles: of few, none costs as much as a call."""
+        done = damages(rows.cycles, curve=self.curve, correction=self.correction)
+        return np.asarray(np.bincount(rows.row, done, len(rows.residues)), float)
 
     def closed(self, rule: ResidueRule, *, causes: int, whole: float) -> FloatArray:
         """Return the damage of every choice (2^causes,), with that of all causes known."""
@@ -318,15 +304,11 @@ class _Whole:
         self.damage += miner(cycles, curve=self.curve, correction=self.correction)
         # No choice of causes reaches beyond all of them by their sizes; nan is no size.
         crest = float(np.nanmax(np.abs(parts).sum(0), initial=0.0))
-        if not (self.damage > 0 and crest > 0):
-            return 0.0
-        size = crest * np.geomspace(1e-4, 1, 81)
-        # As many cycles as a stretch can have, at the worst of means.
-        most = 0.5 * x.size * self.curve.damage(
-            np.maximum(self.correction(size, np.full(size.size, crest)), size)
+        # As many cycles as a stretch can have.
+        return harmless(
+            PASSED_OVER * self.damage, crest=crest, samples=x.size, curve=self.curve,
+            correction=self.correction,
         )  # fmt: skip
-        harmless = size[most <= PASSED_OVER * self.damage]
-        return 2 * float(harmless[-1]) if harmless.size else 0.0
 
     def closed(self, rule: ResidueRule) -> float:
         left = rule(self.residue)

@@ -184,6 +184,9 @@ class Health:
         Length of a span.
     hum
         Of the mains; None without.
+    bends
+        Share of the samples, where it moves, at which it does not go straight on: 1 of what was
+        measured at each, a twentieth where one in twenty was and lines go between.
     """
 
     samples: int
@@ -198,6 +201,7 @@ class Health:
     levels: FloatArray
     span: int
     hum: Hum | None = None
+    bends: float = 1.0
 
     def at(self, kind: str) -> Places:
         """Return where one kind of fault is."""
@@ -283,7 +287,7 @@ class Health:
             found.append(
                 said(
                     HUMS,
-                    frequency=f"{self.hum.frequency:g}",
+                    frequency=", ".join(f"{f:g}" for f in self.hum.frequencies),
                     size=f"{self.hum.amplitude:.3g} {unit}".rstrip(),
                 )
             )
@@ -330,6 +334,10 @@ BEYOND = 1e30
 """Size from which a sample is no number of a sensor: its powers are no numbers of a computer."""
 
 
+GLANCE = 4096
+"""Samples of a piece by which it is told whether lines were laid between others."""
+
+
 class _Survey:
     """One channel's findings as its pieces pass."""
 
@@ -343,6 +351,7 @@ class _Survey:
         self.swings: list[FloatArray] = []
         self.tail: FloatArray = np.empty(0)
         self.crests, self.losses = 0.0, 0.0
+        self.moving = self.bent = 0
 
     def add(self, padded: FloatArray) -> None:
         x = padded[self.reach : padded.size - self.reach]
@@ -372,6 +381,7 @@ class _Survey:
         self.total += float(centred.sum())
         self.squares += float(np.square(centred).sum())
         self.low, self.high = min(self.low, float(known.min())), max(self.high, float(known.max()))
+        self._bends(x[:GLANCE])
         self._short(filled[self.reach - 1 : filled.size - self.reach + 1])
 
     def _short(self, x: FloatArray) -> None:
@@ -385,6 +395,14 @@ class _Survey:
         lost = (a - b) ** 2 / (8 * np.abs(2 * y - a - b))
         self.crests += float((height**5).sum())
         self.losses += float((height**4 * lost).sum())
+
+    def _bends(self, x: FloatArray) -> None:
+        """Enter how often samples (n,) go straight on while they move, but for rounding."""
+        step = np.diff(x)
+        rounding = 1e-6 * float(np.fmax.reduce(np.abs(step), initial=0.0))
+        moves = (np.abs(step) > 10 * rounding)[1:]
+        self.moving += int(np.count_nonzero(moves))
+        self.bent += int(np.count_nonzero(moves & (np.abs(np.diff(step)) > rounding)))
 
     def _levels(self, x: FloatArray, *, last: bool = False) -> None:
         whole = np.concatenate([self.tail, x])
@@ -424,6 +442,7 @@ class _Survey:
             faults=faults,
             short=self.losses / self.crests if self.crests > 0 else 0.0,
             levels=levels, span=self.span, hum=self.listener.found(deviation=deviation),
+            bends=self.bent / self.moving if self.moving else 1.0,
         )  # fmt: skip
 
 

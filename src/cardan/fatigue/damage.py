@@ -10,7 +10,15 @@ import numpy as np
 from cardan.base.arrays import FloatArray
 from cardan.base.units import hour
 from cardan.fatigue.correction import Correction, uncorrected
-from cardan.fatigue.rainflow import Cycles, rainflow, repeating
+from cardan.fatigue.rainflow import (
+    Cycles,
+    ResidueRule,
+    four_point,
+    join,
+    rainflow,
+    repeating,
+    without_small,
+)
 from cardan.fatigue.strength import SNCurve
 
 
@@ -27,6 +35,57 @@ def miner(cycles: Cycles, *, curve: SNCurve, correction: Correction = uncorrecte
 def damages(cycles: Cycles, *, curve: SNCurve, correction: Correction = uncorrected) -> FloatArray:
     """Damage n/N of each of some cycles, (n,)."""
     return cycles.count * curve.damage(correction(cycles.amplitude, cycles.mean))
+
+
+def harmless(
+    damage: float, *, crest: float, samples: int, curve: SNCurve,
+    correction: Correction = uncorrected,
+) -> float:  # fmt: skip
+    """Range (Pa) of cycles that do no such damage, as many as fit into some samples.
+
+    Parameters
+    ----------
+    damage
+        That is not reached.
+    crest : Pa
+        Farthest from nought that the stress gets; the range is sought from 2e-4 of it on.
+    """
+    if not (damage > 0 and crest > 0):
+        return 0.0
+    size = crest * np.geomspace(1e-4, 1, 81)
+    # At the worst of means.
+    most = 0.5 * samples * curve.damage(
+        np.maximum(correction(size, np.full(size.size, crest)), size)
+    )  # fmt: skip
+    below = size[most <= damage]
+    return 2 * float(below[-1]) if below.size else 0.0
+
+
+LEAVES, AT_FIRST = 1e-5, 0.05
+"""Share of a damage that small cycles may have which are left out of it, and the range below which
+they are at first, over that of the stress."""
+
+
+def nearly(
+    stress: FloatArray, *, rule: ResidueRule, curve: SNCurve, correction: Correction = uncorrected
+) -> float:
+    """Damage of a stress (n,), but for cycles so small that all of them do a share `LEAVES` of it.
+
+    Most of a rough stress' cycles do nothing, and cost as much to count as the others.
+    """
+    low, high = (float(reach(stress, initial=0.0)) for reach in (np.fmin.reduce, np.fmax.reduce))
+    gate = AT_FIRST * (high - low)
+    while True:
+        turns = without_small(stress, gate=gate)
+        closed, left = four_point(turns)
+        damage = miner(join([closed, rule(left)]), curve=curve, correction=correction)
+        may = harmless(
+            LEAVES * damage, crest=max(-low, high), samples=stress.size, curve=curve,
+            correction=correction,
+        )  # fmt: skip
+        if gate <= may or turns is stress:
+            return damage
+        gate = may
 
 
 def more_in_turn(

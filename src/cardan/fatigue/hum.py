@@ -1,4 +1,4 @@
-"""Hum of the mains in a channel: a tone of 50 or 60 Hz that nothing of the vehicle moves.
+"""Hum of the mains in a channel: 50 or 60 Hz or a few times that, that nothing of it moves.
 
 The grid holds its frequency to some hundredths of a hertz, and what couples it into a wire
 holds still. Met second by second at the mains' own frequency, hum is therefore one number
@@ -12,51 +12,57 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import ComplexArray, FloatArray
+from cardan.base.arrays import BoolArray, ComplexArray, FloatArray
 
 MAINS = (50.0, 60.0)
 """Frequencies of the world's grids, Hz."""
+HARMONICS = (1, 2, 3, 4, 5, 6)
+"""Of them, that what hangs on the grid hums at: transformers and rectifiers at 100 and 300 Hz."""
 STRAYS = 0.1
 """Hz that a grid strays by at most; by 0.2 Hz it sheds load. ENTSO-E, System Operation Guideline
 (2017), article 127."""
 LEAST = 0.05
 """Amplitude over the channel's deviation from which hum is a suspect."""
-LEAST_SECONDS = 8
-"""Seconds in which a steady tone is told from one that passes."""
+LEAST_SECONDS, WHILE = 8, 20
+"""Seconds of a recording in which a steady tone is told from one that passes, and of one that is
+there for a part of the time: at cruise an order of a shaft holds still for some seconds."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hum:
-    """A tone of the mains in a channel, Re z(t) e^{2πift}.
+    """Tones of the mains in a channel, Σ Re z(t) e^{2πift}.
 
     Attributes
     ----------
-    frequency : Hz
-        Of the grid.
-    seconds : (m,) complex
-        z in the middle of each second, in the channel's unit; straight between them.
+    frequencies : (k,) Hz
+        Of the grid and its harmonics.
+    seconds : (k, m) complex
+        z in the middle of each second, in the channel's unit, nought where it does not hum;
+        straight between them.
     rate : Hz
         Of the channel's samples.
     """
 
-    frequency: float
+    frequencies: tuple[float, ...]
     seconds: ComplexArray
     rate: float
 
     @property
     def amplitude(self) -> float:
-        """0-to-peak amplitude, rms over the time."""
-        return float(np.sqrt(np.mean(np.abs(self.seconds) ** 2)))
+        """0-to-peak amplitude of the largest, rms over the time in which it hums."""
+        power = np.abs(self.seconds) ** 2
+        return float(np.sqrt((power.sum(-1) / np.maximum((power > 0).sum(-1), 1)).max()))
 
     def at(self, start: int, n: int) -> FloatArray:
-        """Return the tone (n,) from sample `start` on."""
+        """Return the tones (n,) from sample `start` on."""
         time = np.arange(start, start + n) / self.rate
-        middle = np.arange(self.seconds.size) * (round(self.rate) / self.rate) + 0.5
-        angle = 2 * np.pi * ((self.frequency * time) % 1.0)
-        real, imag = (
-            np.interp(time, middle, part) for part in (self.seconds.real, self.seconds.imag)
-        )
-        return real * np.cos(angle) - imag * np.sin(angle)
+        middle = np.arange(self.seconds.shape[-1]) * (round(self.rate) / self.rate) + 0.5
+        total = np.zeros(n)
+        for f, z in zip(self.frequencies, self.seconds, strict=True):
+            angle = 2 * np.pi * ((f * time) % 1.0)
+            real, imag = (np.interp(time, middle, part) for part in (z.real, z.imag))
+            total += real * np.cos(angle) - imag * np.sin(angle)
+        return total
 
 
 class Listener:
@@ -64,12 +70,11 @@ class Listener:
 
     def __init__(self, rate: float) -> None:
         self.rate, self.size = rate, max(round(rate), 1)
-        self.mains = [f for f in MAINS if f + 1 < 0.5 * rate]
+        each = {f * k: k for k in HARMONICS for f in MAINS if f * k + 1 < 0.5 * rate}
+        self.mains = sorted(each.items())
         self.met: list[ComplexArray] = []
         self.tail: FloatArray = np.empty(0)
-        at = np.array([f + k for f in self.mains for k in (0, -1, 1)])
-        time = np.arange(self.size) / rate
-        self.table = np.exp(-2j * np.pi * np.outer(time, at)) * (2 / self.size)
+        self.at = np.array([f + k for f, _ in self.mains for k in (0, -1, 1)])
 
     def add(self, x: FloatArray) -> None:
         """Take samples (n,) without holes."""
@@ -80,8 +85,14 @@ class Listener:
         rows = whole[:full].reshape(-1, self.size)
         self.tail = whole[full:].copy()
         if len(rows):
-            level = rows - rows.mean(-1, keepdims=True)
-            self.met.append(np.asarray(level @ self.table, np.complex128))
+            self.met.append(self._lines(rows) * (2 / self.size))
+
+    def _lines(self, rows: FloatArray) -> ComplexArray:
+        """Return the spectrum (seconds, tones) of seconds (seconds, n) at the tones looked for."""
+        if self.rate == self.size:  # of whole seconds they are lines of its transform
+            return np.fft.rfft(rows, axis=-1)[:, self.at.astype(np.intp)]
+        turning = np.exp(-2j * np.pi * np.outer(np.arange(self.size) / self.rate, self.at))
+        return (rows - rows.mean(-1, keepdims=True)) @ turning
 
     def found(self, *, deviation: float) -> Hum | None:
         """Return the hum in a channel of such a standard deviation; None without."""
@@ -92,16 +103,38 @@ class Listener:
             return None
         # A second begins whole samples after the one before: where the tone is by then.
         begun = np.arange(len(met)) * self.size / self.rate
-        for k, f in enumerate(self.mains):
-            z = met[:, k, 0] * np.exp(-2j * np.pi * ((f * begun) % 1.0))
-            power = np.abs(z) ** 2
-            typical = float(np.median(power))
-            beside = float(np.median(np.abs(met[:, k, 1:]) ** 2))
-            turned = np.vdot(z[:-1], z[1:])
-            still = abs(turned) > 0.9 * float(power.sum())
-            grid = abs(np.angle(turned)) < 2 * np.pi * STRAYS
-            even = float(np.quantile(power, 0.1)) > 0.5 * float(np.quantile(power, 0.9))
-            loud = np.sqrt(typical) > LEAST * deviation and typical > 8 * beside
-            if still and grid and even and loud:
-                return Hum(frequency=f, seconds=z, rate=self.rate)
-        return None
+        loudest: dict[float, ComplexArray] = {}
+        for n, (f, k) in enumerate(self.mains):
+            z = met[:, n, 0] * np.exp(-2j * np.pi * ((f * begun) % 1.0))
+            beside = (np.abs(met[:, n, 1:]) ** 2).mean(-1)
+            hums = _humming(z, beside, least=LEAST * deviation, strays=k * STRAYS)
+            if hums.any():
+                loudest[f] = np.where(hums, z, 0.0)
+        if not loudest:
+            return None
+        return Hum(
+            frequencies=tuple(loudest), seconds=np.stack(list(loudest.values())), rate=self.rate
+        )
+
+
+def _humming(z: ComplexArray, beside: FloatArray, *, least: float, strays: float) -> BoolArray:
+    """Return the seconds (m,) in which a tone z (m,) stands as the mains do, for a while at least.
+
+    `beside` (m,) is the power of what is near it, `strays` Hz how far it may be off.
+    """
+    n = min(WHILE, z.size)
+    power, turned = np.abs(z) ** 2, z[1:] * np.conj(z[:-1])
+
+    def over(x: np.ndarray, size: int = n) -> np.ndarray:
+        return np.lib.stride_tricks.sliding_window_view(x, size)
+
+    own, turn = over(power), over(turned, n - 1).sum(-1)
+    still = np.abs(turn) > 0.9 * own[:, 1:].sum(-1)
+    grid = np.abs(np.angle(turn)) < 2 * np.pi * strays
+    low, typical, high = np.quantile(own, [0.1, 0.5, 0.9], axis=-1)
+    loud = (typical > least**2) & (typical > 8 * np.median(over(beside), axis=-1))
+    begins = still & grid & (low > 0.5 * high) & loud
+    hums = np.zeros(z.size, bool)
+    for k in np.flatnonzero(begins):
+        hums[k : k + n] = True
+    return hums

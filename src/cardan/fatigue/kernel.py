@@ -8,7 +8,7 @@ import numpy as np
 
 from cardan.base.arrays import ComplexArray, FloatArray, IntArray
 
-Kernel: TypeAlias = Callable[..., tuple[int, int, float, int]]
+Kernel: TypeAlias = Callable[..., tuple[int, int]]
 
 
 def close(
@@ -53,6 +53,81 @@ def close(
         way = -way
         last = v
     return closed, n, last, way
+
+
+def followed_on(
+    x: Any, residue: FloatArray, stack: FloatArray, start: FloatArray, end: FloatArray
+) -> tuple[int, int]:
+    """Close cycles of the samples `x` that follow a residue.
+
+    The reversals that are open then are written to `stack`, closed cycles to `start` and `end`.
+    Returns how many are closed and open.
+    """
+    n, last, way = 0, np.nan, 0
+    if residue.size:
+        n, last = residue.size - 1, residue[-1]
+        stack[:n] = residue[:-1]
+        if n:
+            way = int(np.sign(last - residue[-2]))
+    closed, n, last, way = close(x, stack, n, last, way, start, end)
+    # Close against the running extreme too: it can only move farther out.
+    while n >= 3 and abs(stack[n - 1] - stack[n - 2]) <= min(
+        abs(stack[n - 2] - stack[n - 3]), abs(last - stack[n - 1])
+    ):
+        start[closed], end[closed] = stack[n - 2], stack[n - 1]
+        closed, n = closed + 1, n - 2
+    if last == last:
+        stack[n] = last
+        n += 1
+    return closed, n
+
+
+def in_rows(
+    x: FloatArray, sizes: IntArray, left: FloatArray, had: IntArray, stack: FloatArray,
+    start: FloatArray, end: FloatArray, many: IntArray,
+) -> None:  # fmt: skip
+    """Close cycles of rows `x`, of `sizes` one after the other, that follow what they `had` `left`.
+
+    Writes how many each row closes and opens to `many` (rows, 2), and all of them in turn.
+    """
+    at, before, closed, opened = 0, 0, 0, 0
+    for k in range(sizes.size):
+        c, n = followed_on(
+            x[at : at + sizes[k]], left[before : before + had[k]], stack[opened:], start[closed:],
+            end[closed:],
+        )  # fmt: skip
+        many[k] = c, n
+        at, before, closed, opened = at + sizes[k], before + had[k], closed + c, opened + n
+
+
+def in_choices(
+    parts: FloatArray, first: int, gate: float, x: FloatArray, left: FloatArray, had: IntArray,
+    stack: FloatArray, start: FloatArray, end: FloatArray, many: IntArray,
+) -> None:  # fmt: skip
+    """Close cycles of sums of parts (k, n), from the `first` choice of them on, in Gray's order.
+
+    From one to the next a single part comes or goes; `x` is the sum before, and is left as the
+    last. Cycles of a range below the gate may be passed over. The rest is as in `in_rows`.
+    """
+    before, closed, opened = 0, 0, 0
+    kept = np.empty(x.size + 2)
+    for k in range(had.size):
+        step = first + k
+        part = 0
+        while step and not step >> part & 1:
+            part += 1
+        if step:
+            sign = 1.0 if (step ^ step >> 1) >> part & 1 else -1.0
+            for i in range(x.size):
+                x[i] += sign * parts[part, i]
+        seen = x
+        if gate > 0:
+            seen = kept[: gated(x, gate, kept)]
+        c, n = followed_on(
+            seen, left[before : before + had[k]], stack[opened:], start[closed:], end[closed:]
+        )
+        many[k] = c, n
+        before, closed, opened = before + had[k], closed + c, opened + n
 
 
 def close_rows(x: FloatArray, amplitude: FloatArray, mean: FloatArray) -> int:
@@ -342,9 +417,19 @@ def reversals(x: FloatArray) -> FloatArray:
     return x[np.concatenate([[True], step[1:] * step[:-1] < 0, [True]])]
 
 
-def plain(x: FloatArray, *state: Any) -> tuple[int, int, float, int]:
+def plain(x: FloatArray, *state: Any) -> tuple[int, int]:
     """Close cycles without numba: NumPy finds the reversals, Python pairs only those."""
-    return close(reversals(x), *state)
+    return followed_on(reversals(x), *state)
+
+
+def compiled_rows() -> Callable[..., None] | None:
+    """Return the compiled loop over rows if numba is installed."""
+    return _compiled(in_rows)
+
+
+def compiled_choices() -> Callable[..., None] | None:
+    """Return the compiled loop over choices if numba is installed."""
+    return _compiled(in_choices)
 
 
 @cache
@@ -352,8 +437,13 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any] | None:
     """Return a function compiled where numba is installed, else None."""
     try:
         import numba  # pyright: ignore[reportMissingTypeStubs]
+        from numba.extending import (  # pyright: ignore[reportMissingTypeStubs]
+            register_jitable,
+        )
     except ImportError:
         return None
+    for called in (close, gated, followed_on):  # by others here
+        register_jitable(called)
     return numba.njit(cache=True, nogil=True)(function)
 
 
@@ -369,4 +459,4 @@ def rows_at_once() -> Callable[[FloatArray, FloatArray, FloatArray], int] | None
 
 def fastest() -> Kernel:
     """Return the compiled loop if numba is installed, else the plain one: same answer."""
-    return _compiled(close) or plain
+    return _compiled(followed_on) or plain

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from cardan.base.arrays import FloatArray, single_threaded
 from cardan.base.errors import DesignError
 from cardan.base.said import Said, said
+from cardan.base.units import MPa
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.beside import FOUR_CYLINDERS
 from cardan.fatigue.cause import (
@@ -34,7 +35,7 @@ from cardan.fatigue.cause import (
 )
 from cardan.fatigue.conditioning import Health, finer, low_pass, no_zero, survey, treated
 from cardan.fatigue.correction import Correction, uncorrected
-from cardan.fatigue.damage import Life, damage_exponent, miner, repeats_at
+from cardan.fatigue.damage import Life, damage_exponent, miner, nearly, repeats_at
 from cardan.fatigue.evidence import STANDING, SWAPPED, UNSEEN, Evidence, together
 from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
 from cardan.fatigue.orders import Rotation
@@ -210,6 +211,41 @@ class _Tally:
         return self.damage + miner(left, curve=self.plan.curve, correction=self.plan.correction)
 
 
+class _Loud:
+    """How much of a stress is too fast to be told where it is loudest, as pieces pass.
+
+    A contact that chatters for some tenths of a second is white, and nothing of all the power; but
+    it is all of the damage. So stretches count as damage does, by a power of how far they reach.
+    """
+
+    SIZE = 64
+
+    def __init__(self, plan: Plan, rate: float) -> None:
+        self.slope, self.rate = plan.curve.slope, rate
+        self.most = self.weight = self.share = 0.0
+
+    def add(self, stress: FloatArray) -> None:
+        """Take a piece of it (n,)."""
+        rows = stress[: stress.size // self.SIZE * self.SIZE].reshape(-1, self.SIZE)
+        reach = np.ptp(rows, axis=-1)
+        # Half as far does a thirtieth of the damage; nan reaches nowhere.
+        self.most = max(self.most, float(np.fmax.reduce(reach, initial=0.0)))
+        loud = reach > self.most / 2
+        if not loud.any():
+            return
+        frequency, power = periodograms(rows[loud].ravel(), rate=self.rate, segment=self.SIZE)
+        power = power[::2][: np.count_nonzero(loud)]  # those between two stretches are of neither
+        weight = (reach[loud] / MPa) ** self.slope
+        fast = power[:, frequency > 0.4 * self.rate].sum(-1)
+        whole = np.maximum(power.sum(-1), 1e-300)
+        self.weight += float(weight.sum())
+        self.share += float(weight @ (fast / whole))
+
+    def fast(self) -> float:
+        """Return the share of power above 0.4 of the sample rate there."""
+        return self.share / self.weight if self.weight > 0 else 0.0
+
+
 class _Count(_Tally):
     """One gauge's count, as pieces pass."""
 
@@ -218,6 +254,7 @@ class _Count(_Tally):
         self.rate, self.matrix = rate, FromTo.empty()
         self.power: FloatArray = np.zeros(plan.segment // 2 + 1)
         self.segments = self.live = 0
+        self.loud = _Loud(plan, rate)
 
     def add(self, stress: FloatArray) -> Cycles:
         cycles = super().add(stress)
@@ -226,6 +263,7 @@ class _Count(_Tally):
 
     def hear(self, stress: FloatArray) -> None:
         self.live += int(np.count_nonzero(~np.isnan(stress)))
+        self.loud.add(stress)
         _, power = periodograms(stress, rate=self.rate, segment=self.plan.segment)
         self.power, self.segments = self.power + power.sum(0), self.segments + len(power)
 
@@ -498,6 +536,7 @@ class _Listened:
         if spectrum is not None and (whole := spectrum.moment(0)) > 0:
             above = spectrum.frequency > 0.4 * self.rate
             fast = Spectrum(spectrum.frequency[above], spectrum.density[above]).moment(0) / whole
+            fast = max(fast, self.count.loud.fast())
         quality = Quality(
             live=max(live, 0) / self.rate, recorded=samples / self.rate,
             effects=tuple(self._effects()), fast=fast,
@@ -528,7 +567,10 @@ class _Listened:
             for own in self.decided.values()
             for kind, d in own.items()
         )
-        stated = Stated(rate=self.rate, fastest=self.plan.fastest, ultimate=self.plan.ultimate)
+        stated = Stated(
+            rate=self.rate, bends=min(h.bends for h in told), fastest=self.plan.fastest,
+            ultimate=self.plan.ultimate,
+        )  # fmt: skip
         against = stated.contradictions(
             low=one.low,
             high=one.high,
@@ -809,9 +851,8 @@ class _Joints:
 
     def damage(self, stress: FloatArray) -> float:
         """Damage of a stretch of stress (n,)."""
-        tally = _Tally(self.plan)
-        tally.add(stress)
-        return tally.closed()
+        plan = self.plan
+        return nearly(stress, rule=plan.rule, curve=plan.curve, correction=plan.correction)
 
     def taken_off(self, stress: Iterable[FloatArray]) -> Iterator[FloatArray]:
         """Yield the stress (gauges, n) without their part."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import ComplexArray, FloatArray, IntArray
 from cardan.fatigue.angle import Angle
@@ -65,42 +66,95 @@ class Aligned:
     """Turns by which each stretch of the angle goes on from another zero."""
 
 
-def aligned(
-    y: FloatArray, torque: FloatArray, angle: Angle, rate: float, start: float, *,
-    over: float = 0.0,
-) -> list[Aligned]:  # fmt: skip
+@dataclass(frozen=True)
+class Search:
+    """A stress whose order 2 is looked for, and the angle that it is looked for by.
+
+    Attributes
+    ----------
+    y, torque : (n,)
+        The stress, and what the force goes with.
+    rate : Hz
+        Of both, `start` s when they begin.
+    """
+
+    y: FloatArray
+    torque: FloatArray
+    angle: Angle
+    rate: float
+    start: float
+
+    @property
+    def every(self) -> int:
+        """Samples taken together: turned back by the shaft, an order stands nearly still."""
+        return max(int(self.rate / MET), 1)
+
+    @property
+    def size(self) -> int:
+        """How many are left."""
+        return self.y.size // self.every
+
+    @cached_property
+    def pulled(self) -> FloatArray:
+        """Stress times torque, of as many as are taken together (m, every)."""
+        n = self.size * self.every
+        return (self.y[:n] * self.torque[:n]).reshape(self.size, self.every)
+
+    @cached_property
+    def square(self) -> FloatArray:
+        """Mean square of the torque (m,)."""
+        n = self.size * self.every
+        return (self.torque[:n] ** 2).reshape(self.size, self.every).mean(-1)
+
+    @cached_property
+    def turns(self) -> FloatArray:
+        """Turns made (m every,)."""
+        n = self.size * self.every
+        return self.angle.rotation.at(self.start + np.arange(n) / self.rate)
+
+    @cached_property
+    def shifts(self) -> IntArray:
+        """Lags that are looked at, in steps of as many samples as are taken together."""
+        lag = self.angle.lag
+        lags = np.arange(-lag, lag + 1e-9, 0.05 if lag < 0.5 else 0.06)
+        return np.unique(np.rint(lags * self.rate / self.every).astype(np.int64))
+
+    @cached_property
+    def around(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Times, turns and turns/s from the latest lag on to the earliest: a lag is a place."""
+        step = self.every / self.rate
+        most, least = max(int(self.shifts[-1]), 0), min(int(self.shifts[0]), 0)
+        place = np.arange(self.size + most - least, dtype=float) - most
+        time: FloatArray = self.start + (self.every - 1) / 2 / self.rate + place * step
+        return time, self.angle.rotation.at(time), self.angle.rotation.speed(time)
+
+
+def aligned(search: Search, *, times: float = 1.0, over: float = 0.0) -> list[Aligned]:
     """Ratios and lags by the energy that T e^{2iθ} explains, the best first, four at most.
 
     The response is one number in each band of twice the speed, and in each stretch between
     losses of the angle turned by one phase. For each lag all ratios are
     met at once: as a function of the angle, a wrong ratio is a frequency.
 
-    None are returned where at every fourth lag none explains half as much as what it should be
-    `over`: of the energy of a band three lags leave six tenths.
+    The angle is taken `times` as far. None are returned where at every fourth lag none explains
+    half as much as what it should be `over`: of the energy of a band three lags leave six tenths.
     """
     from scipy.fft import fft, next_fast_len
 
-    # Turned back by the shaft, an order stands nearly still: some samples a second say as much.
-    every = max(int(rate / MET), 1)
-    m = y.size // every
+    m, square, shifts = search.size, search.square, search.shifts
     if m < 100:
         return []
-    y, torque = y[: m * every], torque[: m * every]
-    back = wave(-2 * angle.rotation.at(start + np.arange(y.size) / rate))
-    moved = (y * torque * back).reshape(m, every).mean(-1)
-    square = (torque**2).reshape(m, every).mean(-1)
-    step = every / rate
-    lags = np.arange(-angle.lag, angle.lag + 1e-9, 0.05 if angle.lag < 0.5 else 0.06)
-    shifts = np.unique(np.rint(lags / step).astype(np.int64))
-    # The shaft as of the latest lag on to the earliest: a lag is a place in that.
-    most, least = max(int(shifts[-1]), 0), min(int(shifts[0]), 0)
-    time = start + ((every - 1) / 2 / rate) + (np.arange(m + most - least) - most) * step
-    turns, f2 = angle.rotation.at(time), 2 * angle.rotation.speed(time)
+    back = wave(-2 * times * search.turns).reshape(m, -1)
+    moved = np.einsum("ij,ij->i", search.pulled, back) / search.every
+    step = search.every / search.rate
+    most = max(int(shifts[-1]), 0)
+    time, turns, f2 = search.around
+    turns, f2 = times * turns, 2 * times * f2
     band, bins = (f2 / BAND).astype(np.int64), ((turns - turns[0]) / TURNS).astype(np.int64)
     bands, count = int(band.max()) + 1, int(bins.max()) + 1
     # Each stretch of the angle has bands of its own, which have one phase in common.
-    stretch = angle.stretches(np.asarray(time, float))
-    many = len(angle.lost) + 1
+    stretch = search.angle.stretches(time)
+    many = len(search.angle.lost) + 1
     band, bands = stretch * bands + band, bands * many
     fast = f2 > SLOWEST
     ahead = wave(-2 * turns)
@@ -353,8 +407,8 @@ class _Slow:
 
     def met(self, x: FloatArray) -> ComplexArray:
         """Return x (n,) as Re z e^{ikθ} near the order: z (m,)."""
-        turned = x[: self.back.size] * self.back
-        return 2 * turned.reshape(-1, self.every).mean(-1)
+        rows = x[: self.back.size].reshape(-1, self.every)
+        return np.einsum("ij,ij->i", rows, self.back.reshape(rows.shape)) * (2 / self.every)
 
     def columns(self, poles: Sequence[tuple[float, float]], *, shift: float = 0.0) -> ComplexArray:
         """Each force, plain and through each mode (columns, m), all of it `shift` Hz beside."""
@@ -432,6 +486,21 @@ def _explained(
     gram = gram + ridge * np.eye(scale.shape[-1])
     c = np.linalg.solve(gram, (right / scale)[..., None])[..., 0] / scale
     return c, np.real((np.conj(c) * right).sum(-1))
+
+
+def by_bands(scene: Scene, y: FloatArray, order: int) -> FloatArray:
+    """Energy (forces,) that each force of an order explains alone, its response one in each band.
+
+    Rougher than `order_line`, which knows what a mode remembers, and a twentieth of its work.
+    """
+    slow = _slow(scene, order)
+    z, band = slow.met(y), (slow.speed / (2 * np.pi * BAND)).astype(np.int64)
+    energy: list[float] = []
+    for u in slow.loads:
+        met = np.bincount(band, z.real * u) ** 2 + np.bincount(band, z.imag * u) ** 2
+        power = np.bincount(band, u * u)
+        energy.append(float((met[power > 0] / power[power > 0]).sum()))
+    return np.array(energy)
 
 
 def _freely(
@@ -563,6 +632,11 @@ class Line:
     slow: _Slow
     stretch: IntArray
     rate: float
+
+    @cached_property
+    def coarse(self) -> npt.NDArray[np.complex64]:
+        """Return the columns to seven digits."""
+        return self.columns.astype(np.complex64)
 
     @cached_property
     def phantoms(self) -> list[tuple[ComplexArray, float]]:

@@ -12,6 +12,7 @@ Sources: Vold & Leuridan, SAE 931288 (1993); Tuma, Vold-Kalman order tracking fi
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -387,8 +388,8 @@ class Split:
 
     start: int
     signal: FloatArray
-    slow: FloatArray
-    tones: FloatArray
+    slow: "Sums"
+    tones: "Sums"
     amplitude: ComplexArray
     time: FloatArray
     frequency: FloatArray
@@ -399,7 +400,7 @@ class Split:
     @property
     def rest(self) -> FloatArray:
         """Signal less slow mean less tones, (channels, n)."""
-        return self.signal - self.slow - self.tones.sum(1)
+        return self.signal - self.slow - self.tones.sum(1, dtype=float)
 
 
 def _basis(n: int) -> FloatArray:
@@ -411,12 +412,17 @@ def _basis(n: int) -> FloatArray:
 
 
 @cache
-def _pairs(n: int) -> tuple[FloatArray, FloatArray]:
+def _pairs(n: int) -> "tuple[Sums, Sums]":
     """Products of each two splines over a span, (16, 7) of powers (7, n): of degree six."""
     powers = np.asarray(np.polynomial.legendre.legvander(np.linspace(-1, 1, n), 6).T, float)
     basis = _basis(n)
-    return powers, (basis[:, None] * basis).reshape(16, n) @ np.linalg.pinv(powers)
+    both = (basis[:, None] * basis).reshape(16, n) @ np.linalg.pinv(powers)
+    return powers.astype(Sum), both.astype(Sum)
 
+
+Sum = np.float32
+Sums: TypeAlias = npt.NDArray[np.float32]
+"""What tones are met in: of sums over a span seven digits say more than any noise leaves of one."""
 
 RIDGE, STEADY = 1e-4, 1e-2
 """Price of an amplitude's size and of its changes, against samples that say otherwise."""
@@ -492,17 +498,18 @@ class Splitter:
         inside = (place >= number[0]) & (place <= number[-1])
         time = place / self.rate
         spans = x.shape[1] // n
-        weight = inside.astype(float).reshape(spans, n)
+        weight = inside.astype(Sum).reshape(spans, n)
         normal = self._normal(start - reach, weight, before)
         fitted, coefficients = _fit(x, normal)
         event = np.zeros_like(x)
         if np.isfinite(self.event_factor):
-            event = self._events(x - fitted.sum(1), inside)
+            event = self._events(x - fitted.sum(1, dtype=float), inside)
             if event.any():
                 # Again with the events nearly silent, so that a blow is not spread into tones.
-                quiet = np.where(event.max(0) < 0.5, 1.0, EVENT_WEIGHT).reshape(spans, n)
+                quiet = np.where(event.max(0) < 0.5, Sum(1), Sum(EVENT_WEIGHT)).reshape(spans, n)
                 fitted, coefficients = _fit(x, normal.weighed(weight * quiet))
-                event = self._events(x - fitted.sum(1), inside)
+                event = self._events(x - fitted.sum(1, dtype=float), inside)
+        rest = np.where(inside, x - fitted.sum(1, dtype=float), 0.0)
         middle = time.reshape(spans, n)[:, n // 2]
         keep = slice(reach, reach + body)
         held = (middle >= time[reach]) & (middle < time[reach] + body / self.rate)
@@ -515,11 +522,11 @@ class Splitter:
         split = Split(
             start=start, signal=x[:, keep], slow=fitted[:, 0, keep], tones=fitted[:, 1:, keep],
             amplitude=amplitude[..., held], time=middle[held], frequency=frequency[:, held],
-            padded_rest=np.where(inside, x - fitted.sum(1), 0.0), padded_event=event, margin=reach,
+            padded_rest=rest, padded_event=event, margin=reach,
         )  # fmt: skip
         return split, normal
 
-    def _normal(self, first: int, weight: FloatArray, before: "_Normal") -> "_Normal":
+    def _normal(self, first: int, weight: "Sums", before: "_Normal") -> "_Normal":
         """Return what turns in spans (spans, n) from a sample on, their samples weighed."""
         met = before.since(first)
         known = len(met.weight)
@@ -530,10 +537,10 @@ class Splitter:
             np.concatenate([met.gram, _gram(rows, weight[known:])]),
         )  # fmt: skip
 
-    def _rows(self, first: int, spans: int) -> FloatArray:
+    def _rows(self, first: int, spans: int) -> "Sums":
         """One for the slow mean, cosine and sine for each tone, (spans, 1 + 2 tones, n)."""
         time = (first + np.arange(spans * self.samples)) / self.rate
-        rows: FloatArray = np.ones((spans, 1 + 2 * len(self.tones), self.samples))
+        rows = np.ones((spans, 1 + 2 * len(self.tones), self.samples), Sum)
         met = {id(t.rotation): t.rotation for t in self.tones}
         known = {name: (of.at(time), of.speed(time)) for name, of in met.items()}
         for k, tone in enumerate(self.tones):
@@ -591,21 +598,23 @@ class _Normal:
     """
 
     first: int
-    rows: FloatArray
-    weight: FloatArray
-    gram: FloatArray
+    rows: Sums
+    weight: Sums
+    gram: Sums
 
     @classmethod
     def none(cls, p: int, n: int) -> "_Normal":
         """Return that of no spans."""
-        return cls(0, np.empty((0, p, n)), np.empty((0, n)), np.empty((0, 4 * p, 4 * p)))
+        return cls(
+            0, np.empty((0, p, n), Sum), np.empty((0, n), Sum), np.empty((0, 4 * p, 4 * p), Sum)
+        )  # fmt: skip
 
     def since(self, first: int) -> "_Normal":
         """Return those from a sample on."""
         k = (first - self.first) // self.rows.shape[-1]
         return _Normal(first, self.rows[k:], self.weight[k:], self.gram[k:])
 
-    def weighed(self, weight: FloatArray) -> "_Normal":
+    def weighed(self, weight: Sums) -> "_Normal":
         """Return them otherwise weighed: only spans in which that is so are summed again."""
         other = (weight != self.weight).any(-1)
         gram = self.gram.copy()
@@ -613,7 +622,7 @@ class _Normal:
         return replace(self, weight=weight, gram=gram)
 
 
-def _gram(rows: FloatArray, weight: FloatArray) -> FloatArray:
+def _gram(rows: Sums, weight: Sums) -> Sums:
     """Return what `_Normal.gram` is, of rows (spans, p, n) with weights (spans, n)."""
     spans, p, n = rows.shape
     weighted = rows * weight[:, None]
@@ -622,21 +631,21 @@ def _gram(rows: FloatArray, weight: FloatArray) -> FloatArray:
     low = [_products(weighted[:, k : k + 1] * rows[:, : k + 1], powers) for k in range(p)]
     one, other = np.tril_indices(p)
     pairs = (np.concatenate(low, axis=1) @ both.T).reshape(spans, one.size, 4, 4).swapaxes(0, 1)
-    gram = np.empty((spans, 4, p, 4, p))
+    gram = np.empty((spans, 4, p, 4, p), Sum)
     gram[:, :, other, :, one] = pairs
     gram[:, :, one, :, other] = pairs
     return gram.reshape(spans, 4 * p, 4 * p)
 
 
-def _fit(x: FloatArray, normal: _Normal) -> tuple[FloatArray, FloatArray]:
+def _fit(x: FloatArray, normal: _Normal) -> tuple[Sums, FloatArray]:
     """Parts (channels, 1 + tones, n) of x, and spline coefficients (c, p, spans, 4)."""
     from scipy.linalg import solveh_banded
 
     rows, gram = normal.rows, normal.gram
     spans, p, n = rows.shape
     channels = x.shape[0]
-    basis = _basis(n)
-    target = (x.reshape(channels, spans, n) * normal.weight)[:, :, None]
+    basis = _basis(n).astype(Sum)
+    target = (x.astype(Sum).reshape(channels, spans, n) * normal.weight)[:, :, None]
     right = np.stack([_products(rows * each, basis) for each in target], axis=-1)
     right = right.swapaxes(1, 2).reshape(spans, 4 * p, channels)
     size = (spans + 3) * p
@@ -661,14 +670,14 @@ def _fit(x: FloatArray, normal: _Normal) -> tuple[FloatArray, FloatArray]:
     c = solveh_banded(banded, total, lower=True, check_finite=False)
     c = c.reshape(spans + 3, p, channels)
     local = np.stack([c[k : k + spans].T for k in range(4)], axis=-1)  # (ch, p, spans, 4)
-    each = local @ basis
+    each = local.astype(Sum) @ basis
     each *= rows.swapaxes(0, 1)
     each = each.reshape(channels, p, -1)
     parts = np.concatenate([each[:, :1], each[:, 1::2] + each[:, 2::2]], axis=1)
     return parts, local
 
 
-def _products(a: FloatArray, b: FloatArray) -> FloatArray:
+def _products(a: Sums, b: Sums) -> Sums:
     """Return Σ a b over samples of each two rows of (spans, i, n) and (j, n), (spans, i, j).
 
     In slices too small for BLAS to start threads on: on a busy machine they cost thirty times

@@ -45,6 +45,8 @@ SMALLEST = 0.1e6
 """Range of a whole recording below which it is the noise of a strain gauge, Pa: 0.5 µm/m."""
 SELDOM, OFTEN = 50.0, 1e6
 """Samples a second of a strain gauge: a wheel hops at 10 to 15 Hz, and a converter ends."""
+HALF = 0.5
+"""Share of the samples at which what moves bends, below which lines were laid between others."""
 A_TURN = 2.5
 """Samples that a turn of what moves fastest takes to be met at all."""
 FAST = 0.05
@@ -228,6 +230,10 @@ SELDOM_MET = (
     "{rate} samples a second, fewer than a driveline's stress takes ({least}): what moves between "
     "them is lost; or does its clock count something else than seconds (--time CLOCK:ms)?"
 )
+LAID = (
+    "lines go from one to the next of {rate} samples a second, fewer than {least}: what moves "
+    "between them is lost, unless they are all its turns"
+)
 OFTEN_MET = (
     "{rate} samples a second, more than a strain gauge has: does its clock count something else "
     "(--time CLOCK:s)?"
@@ -247,7 +253,7 @@ WOULD_BREAK = (
 NAMED_STRAIN = "its name speaks of strain, and it is taken for a stress in {unit}"
 NAMED_STRESS = "its name speaks of stress, and it is taken for a strain in {unit}"
 
-IMPOSSIBLES = (NO_METAL, NO_STRESS, SELDOM_MET, OFTEN_MET, TURNS_FASTER, BROKEN)
+IMPOSSIBLES = (NO_METAL, NO_STRESS, SELDOM_MET, LAID, OFTEN_MET, TURNS_FASTER, BROKEN)
 """Why a gauge's answer cannot be true."""
 DOUBTS = (WOULD_BREAK, NAMED_STRAIN, NAMED_STRESS)
 """What makes it doubtful."""
@@ -261,6 +267,8 @@ class Stated:
     ----------
     rate : Hz
         Of its samples.
+    bends
+        Share of them at which it does not go straight on (`Health.bends`).
     fastest : Hz
         Known to move there, an order 2; 0 where nobody knows.
     ultimate : Pa
@@ -268,6 +276,7 @@ class Stated:
     """
 
     rate: float
+    bends: float = 1.0
     fastest: float = 0.0
     ultimate: float = float("inf")
 
@@ -299,8 +308,12 @@ class Stated:
             found[STRENGTH] = said(
                 BROKEN, size=f"{crest / MPa:.4g}", ultimate=f"{self.ultimate / MPa:g}"
             )
-        rate = f"{self.rate:.4g}"
-        if self.rate < SELDOM:
+        rate, least = f"{self.rate:.4g}", max(SELDOM, A_TURN * self.fastest)
+        if self.bends < HALF and self.bends * self.rate < least <= self.rate:
+            found[RATE] = said(
+                LAID, rate=f"{self.bends * self.rate:.2g}", least=f"{least:.3g}"
+            )  # fmt: skip
+        elif self.rate < SELDOM:
             found[RATE] = said(SELDOM_MET, rate=rate, least=f"{SELDOM:g}")
         elif self.rate > OFTEN:
             found[RATE] = said(OFTEN_MET, rate=rate)
@@ -382,7 +395,7 @@ class Quality:
     samples_only
         Damage by the samples alone, where crests were looked for between them; else nan.
     fast
-        Share of the stress's power above 0.4 of the sample rate.
+        Share of the stress's power above 0.4 of the sample rate, of all or where it is loudest.
     biaxiality
         Of a rosette, where the stress is high; nan of single gauges.
     measures

@@ -12,14 +12,22 @@ Sources: ASTM E1049-85 (2017), section 5.4.4; Amzallag et al., Int. J. Fatigue 1
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray
-from cardan.fatigue.kernel import Kernel, fastest, gate_of_all, reversals
+from cardan.fatigue.kernel import (
+    Kernel,
+    compiled_choices,
+    compiled_rows,
+    fastest,
+    gate_of_all,
+    reversals,
+)
 
 
 @dataclass(frozen=True)
@@ -116,27 +124,115 @@ def four_point(
     stack = np.empty(residue.size + x.size + 1)
     start = np.empty((residue.size + x.size) // 2 + 1)
     end = np.empty_like(start)
-    n, last, way = 0, np.nan, 0
-    if residue.size:
-        n, last = residue.size - 1, float(residue[-1])
-        stack[:n] = residue[:-1]
-        step = last - float(residue[-2]) if n else 0.0
-        way = (step > 0) - (step < 0)
-    closed, n, last, way = (kernel or fastest())(x, stack, n, last, way, start, end)
-    # Close against the running extreme too: it can only move farther out.
-    while n >= 3 and abs(stack[n - 1] - stack[n - 2]) <= min(
-        abs(stack[n - 2] - stack[n - 3]), abs(last - stack[n - 1])
-    ):
-        start[closed], end[closed] = stack[n - 2], stack[n - 1]
-        closed, n = closed + 1, n - 2
-    if not math.isnan(last):
-        stack[n], n = last, n + 1
+    closed, n = (kernel or fastest())(x, residue, stack, start, end)
     open_now, start, end = stack[:n].copy(), start[:closed].copy(), end[:closed].copy()
     # A sum is as finite as all that is in it: of samples that are their sizes go nowhere near.
     if not math.isfinite(open_now.sum() + (start - end).sum()):
         msg = "samples must be finite or missing (nan), got infinity"
         raise ValueError(msg)
     return Cycles(start, end, np.ones(closed)), open_now
+
+
+@dataclass(frozen=True)
+class Rows:
+    """What closes in many signals, and what each leaves.
+
+    Attributes
+    ----------
+    cycles
+        Closed cycles of all of them.
+    row : (cycles,)
+        Of which signal each is.
+    residues : list of (k,)
+        Reversals still open in each.
+    """
+
+    cycles: Cycles
+    row: IntArray
+    residues: list[FloatArray]
+
+
+def four_points(rows: Sequence[FloatArray], *, residues: Sequence[FloatArray]) -> Rows:
+    """Count as `four_point` many short signals (n,) at once, each after its residue."""
+    loop = compiled_rows()
+    if loop is None:
+        return _each(four_point(x, residue=r) for x, r in zip(rows, residues, strict=True))
+    flat, sizes = np.concatenate(rows), np.array([x.size for x in rows])
+    left, had = np.concatenate(residues), np.array([r.size for r in residues])
+    room = _room(flat.size + left.size, len(rows))
+    loop(flat, sizes, left, had, *room)
+    return _used(*room)
+
+
+AT_ONCE = 16
+"""Choices that are counted at once."""
+
+
+def of_choices(
+    parts: FloatArray, *, gate: float, residues: Sequence[FloatArray]
+) -> Iterator[tuple[IntArray, Rows]]:
+    """Count every choice of some parts of a signal, some choices at a time.
+
+    Parameters
+    ----------
+    parts : (k, n)
+        Of a piece of it.
+    gate
+        Cycles of a range below it may be passed over.
+    residues : 2^k of (m,)
+        What the pieces before left of each choice: bit j of its place says whether part j is in.
+
+    Yields
+    ------
+    choices, rows
+        Which, and what closed in each.
+    """
+    many, n = 1 << len(parts), parts.shape[1]
+    # Gray's order: from one choice to the next a single part comes or goes.
+    order = np.arange(many) ^ np.arange(many) >> 1
+    loop, x = compiled_choices(), np.zeros(n)
+    for first in range(0, many, AT_ONCE):
+        choices = order[first : first + AT_ONCE]
+        before = [residues[c] for c in choices]
+        if loop is None:
+            bits = choices[:, None] >> np.arange(len(parts)) & 1
+            yield (
+                choices,
+                _each(
+                    four_point(without_small(bit @ parts, gate=gate), residue=r)
+                    for bit, r in zip(bits, before, strict=True)
+                ),
+            )
+            continue
+        had = np.array([r.size for r in before])
+        room = _room(int(had.sum()) + (n + 2) * had.size, had.size)
+        loop(parts, first, gate, x, np.concatenate(before), had, *room)
+        yield choices, _used(*room)
+
+
+def _room(reversals: int, rows: int) -> tuple[FloatArray, FloatArray, FloatArray, IntArray]:
+    """Room for what so many reversals in rows leave open, close from where to where, and counts."""
+    half = reversals // 2 + rows
+    return (
+        np.empty(reversals + rows), np.empty(half), np.empty(half), np.empty((rows, 2), np.int64)
+    )  # fmt: skip
+
+
+def _used(stack: FloatArray, start: FloatArray, end: FloatArray, many: IntArray) -> Rows:
+    """Return what was written in a room."""
+    closed, opened = many.T
+    done = int(closed.sum())
+    ends = np.cumsum(opened).tolist()
+    left = [stack[a:b].copy() for a, b in pairwise([0, *ends])]
+    cycles = Cycles(start[:done].copy(), end[:done].copy(), np.ones(done))
+    return Rows(cycles, np.repeat(np.arange(closed.size), closed), left)
+
+
+def _each(counted: Iterable[tuple[Cycles, FloatArray]]) -> Rows:
+    """Return signals counted one by one."""
+    closed, residues = zip(*counted, strict=True)
+    sizes = [c.count.size for c in closed]
+    return Rows(join(closed), np.repeat(np.arange(len(sizes)), sizes), list(residues))
 
 
 ResidueRule: TypeAlias = Callable[[FloatArray], Cycles]

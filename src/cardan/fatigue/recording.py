@@ -71,6 +71,10 @@ class Recording:
         """
         if name in self.names:
             return self.names.index(name)
+        bare, _, unit = name.rpartition(":")
+        if bare in self.names:
+            msg = f"{bare}:{unit}: {unit!r} is no unit of stress, strain, speed or torque"
+            raise DesignError(msg)
         near = difflib.get_close_matches(name, self.names, n=1)
         hint = f"did you mean {near[0]!r}?" if near else f"it has {', '.join(self.names)}"
         msg = f"{self.name} has no channel {name!r}; {hint}"

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import BoolArray, ComplexArray, FloatArray
 from cardan.base.said import Said
@@ -61,7 +62,9 @@ from cardan.fatigue.locked import (
     Aligned,
     Line,
     Scene,
+    Search,
     aligned,
+    by_bands,
     levelled,
     limited,
     order_line,
@@ -137,7 +140,7 @@ class Identified:
     """
 
     evidence: Evidence
-    stress: FloatArray
+    stress: npt.NDArray[np.floating]
     order2: FloatArray
     damage: float
 
@@ -210,21 +213,22 @@ class _Case:
     @cached_property
     def options(self) -> list[Aligned]:
         """Return ratios and lags of the speed that the stress goes with, the best first."""
-        return self.aligned(self.angle) if self.whole > 0 else []
+        return aligned(self.search) if self.whole > 0 else []
 
     @cached_property
     def quiet(self) -> FloatArray:
         """Return `y` with its blows cut down (m,)."""
         return limited(self.y, self.rate)
 
-    def aligned(self, angle: Angle) -> list[Aligned]:
-        """Return ratios and lags of an angle, the best first."""
-        return aligned(self.quiet, self.load, angle, self.rate, self.start)
+    @cached_property
+    def search(self) -> Search:
+        """Return what ratios and lags are looked for in."""
+        return Search(self.quiet, self.load, self.angle, self.rate, self.start)
 
-    def other(self, angle: Angle) -> Aligned | None:
-        """Return the best ratio and lag of another angle, if it explains more than the shaft's."""
+    def other(self, times: float) -> Aligned | None:
+        """Return the best ratio and lag of what turns so often as far, if it explains more."""
         over = self.first.energy
-        found = aligned(self.quiet, self.load, angle, self.rate, self.start, over=over)
+        found = aligned(self.search, times=times, over=over)
         return found[0] if found and found[0].energy > over else None
 
     def scene(self, option: Aligned, angle: Angle | None = None) -> Scene:
@@ -263,7 +267,7 @@ class _Case:
         """Return the share of damage that goes with a wave (m,)."""
         return 1 - self.damage(self.stress - self.at_all(wave)) / self.whole
 
-    def at_all(self, wave: FloatArray) -> FloatArray:
+    def at_all(self, wave: FloatArray) -> npt.NDArray[np.floating]:
         """Return a wave (m,) at all samples (n,)."""
         return _back(wave, self.every, self.stress.size)
 
@@ -303,12 +307,15 @@ class _Case:
     def elsewhere(self, span: _Span) -> _Span:
         """Widen by what may be theirs if the speed is another's, at half or twice the shaft's."""
         for times, doubt in ((2.0, DOUBLED), (0.5, HALVED)):
-            scaled = replace(self.angle.rotation, turns=times * self.angle.rotation.turns)
-            asked = replace(self.angle, rotation=scaled)
-            if found := self.other(asked):
+            if found := self.other(times):
+                asked = replace(self.angle, rotation=self.angle.rotation.geared(times))
                 theirs = punctual(found, most=self.angle.lag)
-                other = order_line(self.scene(theirs, asked), self.y, 2, most=2)
-                # What turns once a turn with the speed's square is unbalance.
+                scene = self.scene(theirs, asked)
+                # What turns once a turn with the speed's square is unbalance, seen roughly first.
+                by_torque, by_speed = by_bands(scene, self.y, 2)
+                if NO_SQUARE * by_torque < by_speed:
+                    continue
+                other = order_line(scene, self.y, 2, most=2)
                 by_torque, by_speed = (solved(other.columns[k::2], self.y)[1] for k in (0, 1))
                 clearly = NO_SQUARE * by_speed if self.measured else by_speed
                 if by_torque > clearly and other.strength >= FOUND:
@@ -341,12 +348,11 @@ class _Case:
         """
         if not self.angle.measured:
             return None
-        turning = self.angle.rotation
-        asked = [replace(self.angle, rotation=turning.geared(times)) for times in SCALES]
-        found = [(best.energy, k) for k, angle in enumerate(asked) if (best := self.other(angle))]
+        found = [(best.energy, times) for times in SCALES if (best := self.other(times))]
         if not found:
             return None
-        other = replace(self, angle=asked[max(found)[1]])
+        turning = self.angle.rotation.geared(max(found)[1])
+        other = replace(self, angle=replace(self.angle, rotation=turning))
         return other if other.line.strength >= FOUND else None
 
     @cached_property
@@ -710,7 +716,8 @@ class _Theirs:
             if rng is not None:
                 k = one.noise.shape[0]
                 mix = (rng.normal(size=k) + 1j * rng.normal(size=k)) / np.sqrt(2 * k)
-                z = z + (mix @ one.noise) @ one.columns
+                # Of what noise might have made of it four digits are plenty.
+                z = z + (mix @ one.noise).astype(np.complex64) @ one.coarse
                 gain = gain + sigma * (
                     rng.normal(size=gain.size) + 1j * rng.normal(size=gain.size)
                 ) / np.sqrt(2)
@@ -748,11 +755,12 @@ def _thinned(x: FloatArray, every: int) -> FloatArray:
     return resample_poly(x, 1, every, padtype="line")
 
 
-def _back(wave: FloatArray, every: int, n: int) -> FloatArray:
+def _back(wave: FloatArray, every: int, n: int) -> npt.NDArray[np.floating]:
     """Return a thinned wave at all samples (n,)."""
     if every == 1:
         return wave
     from scipy.signal import resample_poly
 
-    out = resample_poly(wave, every, 1)[:n]
+    # Seven digits of it are taken off a stress.
+    out = resample_poly(wave.astype(np.float32), every, 1)[:n]
     return np.pad(out, (0, n - out.size))

@@ -10,15 +10,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
-from cardan.fatigue.correction import Correction
-from cardan.fatigue.damage import miner
-from cardan.fatigue.rainflow import NONE, Cycles, ResidueRule, four_point
+from cardan.base.arrays import ArrayLike, FloatArray, IntArray
+from cardan.fatigue.correction import Correction, uncorrected
+from cardan.fatigue.damage import damages, miner
+from cardan.fatigue.rainflow import (
+    NONE,
+    Cycles,
+    ResidueRule,
+    four_point,
+    half_cycles,
+    join,
+    reversals_of,
+)
 from cardan.fatigue.recording import cut
 from cardan.fatigue.strength import SNCurve
 
 SECOND = 1.0
 """Length of what is told apart, s."""
+FINE = 0.01
+"""Of the range that a stress had until then, by which it has to turn to be held."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +47,10 @@ class Usage:
         When these were.
     live : (m,) s
         Time that was heard.
+    opened : (m,) 1
+        As `damage`, by the second in which each cycle began.
+    turns : m of (k,) Pa
+        Where the stress turns in each second, but for what turns by less than `FINE`.
     """
 
     damage: FloatArray
@@ -46,6 +60,8 @@ class Usage:
     at_high: FloatArray
     at_low: FloatArray
     live: FloatArray
+    opened: FloatArray
+    turns: tuple[FloatArray, ...]
 
     @property
     def open(self) -> float:
@@ -74,10 +90,13 @@ class _Gauge:
     def __init__(self, curve: SNCurve, correction: Correction) -> None:
         self.curve, self.correction, self.residue = curve, correction, NONE
         self.rows: list[tuple[float, ...]] = []
+        self.opened: list[tuple[IntArray, FloatArray]] = []
+        self.turns: list[FloatArray] = []
+        self.reach = (np.inf, -np.inf)
         self.met = np.empty(0, np.int64)
 
     def add(self, k: int, x: FloatArray, *, rate: float, start: float) -> None:
-        before = self.residue
+        before, met = self.residue, self.met
         cycles, self.residue = four_point(x, residue=before)
         # What was open and still is stands in front; what came on top is of this second.
         n = min(before.size, self.residue.size)
@@ -89,8 +108,18 @@ class _Gauge:
             i, j = known[np.argmax(x[known])], known[np.argmin(x[known])]
             top, bottom = float(x[i]), float(x[j])
             at_top, at_bottom = start + i / rate, start + j / rate
-        damage = miner(cycles, curve=self.curve, correction=self.correction)
-        self.rows.append((damage, top, bottom, at_top, at_bottom, known.size / rate))
+            self.reach = min(self.reach[0], bottom), max(self.reach[1], top)
+        low, high = self.reach
+        self.turns.append(reversals_of(x, gate=FINE * max(high - low, 0.0)))
+        done = damages(cycles, curve=self.curve, correction=self.correction)
+        began = np.full(done.size, k)
+        if before.size:
+            # At the last of what was open that is its start, else here.
+            order = np.argsort(before, kind="stable")
+            place = order[np.maximum(np.searchsorted(before[order], cycles.start, "right") - 1, 0)]
+            began = np.where(before[place] == cycles.start, met[place], began)
+        self.opened.append((began, done))
+        self.rows.append((float(done.sum()), top, bottom, at_top, at_bottom, known.size / rate))
 
     def _equivalent(self, cycles: Cycles) -> FloatArray:
         return self.correction(cycles.amplitude, (cycles.start + cycles.end) / 2)
@@ -103,7 +132,11 @@ class _Gauge:
         left = np.zeros(len(self.rows))
         np.add.at(left, when, legs.count * self.curve.damage(self._equivalent(legs)))
         damage, high, low, at_high, at_low, live = np.array(self.rows).reshape(-1, 6).T
-        return Usage(damage, left, high, low, at_high, at_low, live)
+        began, done = (np.concatenate(v) for v in zip(*self.opened, strict=True))
+        opened = np.asarray(np.bincount(began, done, len(self.rows)), float)
+        return Usage(
+            damage, left, high, low, at_high, at_low, live, opened, tuple(self.turns)
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -160,7 +193,8 @@ def grouped(of: Usage, names: Sequence[str], *, metres: FloatArray | None = None
 def bands(values: ArrayLike, *, step: float) -> list[str]:
     """Name each value (m,) by its band of width `step`, "" where it is not known."""
     v = np.asarray(values, float)
-    low = np.floor(v / step) * step
+    # On an edge is within: of a steady speed rounding makes two.
+    low = np.floor(v / step + 1e-6) * step
     return ["" if np.isnan(a) else f"{a:g} .. {a + step:g}" for a in low]
 
 
@@ -180,14 +214,29 @@ def customer(rates: ArrayLike, *, quantile: float) -> tuple[float, float]:
     return float(np.exp(mean + z * deviation)), float(np.exp(mean + k * deviation))
 
 
-def shortened(of: Usage, *, keep: float = 0.95) -> float:
-    """Return the share of the time in which a share of the damage came: a shorter test."""
-    order = np.argsort(-of.damage, kind="stable")
-    total = np.cumsum(of.damage[order])
-    if not total.size or not total[-1] > 0:
+def shortened(
+    of: Usage, *, keep: float = 0.95, curve: SNCurve, correction: Correction = uncorrected,
+    rule: ResidueRule = half_cycles,
+) -> float:  # fmt: skip
+    """Return the share of the time that a test takes which does a share of the damage.
+
+    The seconds in which most cycles began and closed are joined, as many as it takes, and what is
+    left of the stress is counted again: a cycle is lost with either of its ends.
+    """
+
+    def done(kept: IntArray) -> float:
+        cycles, left = four_point(np.concatenate([of.turns[k] for k in np.sort(kept)]))
+        return miner(join([cycles, rule(left)]), curve=curve, correction=correction)
+
+    order = np.argsort(-(of.damage + of.opened + of.left), kind="stable")
+    whole = done(order) if order.size else 0.0
+    if not whole > 0:
         return 0.0
-    needed = int(np.searchsorted(total, keep * total[-1])) + 1
-    return float(of.live[order[:needed]].sum() / of.live.sum())
+    few, many = 0, order.size
+    while many - few > 1:
+        middle = (few + many) // 2
+        few, many = (few, middle) if done(order[:middle]) >= keep * whole else (middle, many)
+    return float(of.live[order[:many]].sum() / of.live.sum())
 
 
 def equal_amplitude(damage: float, *, cycles: float, curve: SNCurve) -> float:

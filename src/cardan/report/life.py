@@ -825,8 +825,8 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
         )  # fmt: skip
     if of.fast > FAST:
         yield say(
-            "{gauge}: undersampled: {share} of its power lies above {frequency} Hz, and what was "
-            "faster still is folded in",
+            "{gauge}: undersampled, or a contact chatters: {share} of its power, of all or where "
+            "it is loudest, lies above {frequency} Hz, and what was faster still is folded in",
             gauge=name, share=say.share(of.fast), frequency=say.short(0.4 * rate),
         )  # fmt: skip
     if of.sheared:

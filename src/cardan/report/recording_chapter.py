@@ -376,8 +376,8 @@ def _removed(of: Causes, say: Language) -> Figure:
         title=say("What goes with the joints"),
         alt=say("Share of damage removed at each gauge with its 90 % interval."),
         note=say(
-            "Guilty where the interval begins at 35 % or above, innocent where it ends at 25 % or "
-            "below."
+            "Guilty where the interval begins at 35 % or above and its middle is 50 % or more, "
+            "innocent where it ends at 25 % or below."
         ),
     )
 

@@ -128,8 +128,8 @@ def says(of: Used, say: Language) -> Iterator[str]:
             low=low, high=high,
         )  # fmt: skip
     yield say(
-        "{gauge}: {damage} of the damage came in {time} of the time: a test cut to that is so much "
-        "shorter",
+        "{gauge}: a test cut to {time} of the time, whole seconds joined and counted again, does "
+        "{damage} of the damage",
         gauge=of.gauge, damage=say.share(KEPT), time=say.share(of.shortened, 1),
     )  # fmt: skip
     yield say(

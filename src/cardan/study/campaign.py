@@ -68,7 +68,10 @@ VOLTS = ("V", "mV", "mV/V", "V/V", "mA", "A", "count", "counts", "")
 """Units of what an amplifier gives, and not of what it measures."""
 DRIVEN = {"km/h": 1 / 3.6, "kph": 1 / 3.6, "mph": 0.44704, "m/s": 1.0}
 """Speeds of the vehicle, m/s, that turn the shaft by axle ratio and tyre."""
-TORQUE = {"Nm": 1.0, "N·m": 1.0, "N.m": 1.0, "kNm": 1e3, "kN·m": 1e3, "kN.m": 1e3}
+TORQUE = {
+    f"{force}{times}m": factor
+    for force, factor in (("N", 1.0), ("kN", 1e3)) for times in ("", "·", ".", "*", " ")
+}  # fmt: skip
 
 UNITS: Mapping[str, tuple[str, float]] = {
     unit: (kind, factor)

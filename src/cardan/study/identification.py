@@ -416,14 +416,15 @@ class _Model:
         d = np.minimum(modes.damping[0] * (f / self.usual) ** law, 0.5)
         top = 1.3 * 4 * float(self.speed.max())
         near = f < top
-        found = [
-            complex(w * (-z + 1j * np.sqrt(1 - z * z)))
-            for w, z in zip(f[near], d[near], strict=True)
-        ]
+        found = [_pole(w, z) for w, z in zip(f[near].tolist(), d[near].tolist(), strict=True)]
         if mode is not None:
-            w, z = 2 * np.pi * mode[0], mode[1]
-            found.append(complex(w * (-z + 1j * np.sqrt(1 - z * z))))
+            found.append(_pole(2 * np.pi * mode[0], mode[1]))
         return np.array(found)
+
+
+def _pole(w: float, z: float) -> complex:
+    """Return the pole of a mode, 1/s; one damped beyond 1, which a search may try, creeps back."""
+    return w * (-z + 1j * complex(1 - z * z) ** 0.5)
 
 
 def _gain_of(mode: tuple[float, float] | None, W: FloatArray) -> ComplexArray:

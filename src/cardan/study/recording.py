@@ -31,7 +31,7 @@ from cardan.fatigue.cause import FIRING, separation, suspects
 from cardan.fatigue.conditioning import Health, finer, slow_drift
 from cardan.fatigue.cuts import Cuts, order_cuts, windows
 from cardan.fatigue.damage import Life, more_in_turn
-from cardan.fatigue.evidence import SPOILT, Evidence, together
+from cardan.fatigue.evidence import GUILTY, INNOCENT, SPOILT, Evidence, together
 from cardan.fatigue.fault import DRIFT, ZERO_STEP
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.locked import FOUND
@@ -544,7 +544,7 @@ def _listened(
     when = Occasion("recording", written.title)
     mix = Mix(
         title=written.title,
-        parts=tuple(parts),
+        parts=tuple(_crossed(parts)),
         lives=lives,
         profile=profile,
         customer=written.customer,
@@ -634,6 +634,36 @@ def _ended(answer: Heard, asked: float) -> Heard:
     of = answer.recording
     note = f"{of.name} is of {asked:g} s, and the recording ends after {there:g} s of them"
     return replace(answer, recording=replace(of, notes=(*of.notes, note)))
+
+
+def _crossed(parts: Sequence[tuple[str, float, Heard]]) -> Iterator[tuple[str, float, Heard]]:
+    """Yield parts, with a note where the findings of two gauges change places from one to another.
+
+    One gauge may be guilty on one road and not on the next; that two do so against each other is
+    how exchanged plugs look.
+    """
+    before: list[tuple[str, dict[str, str]]] = []
+    for name, times, heard in parts:
+        found = {} if heard.causes is None else {
+            gauge: e.finding
+            for gauge, e in zip(heard.causes.gauges, heard.causes.evidence, strict=True)
+        }  # fmt: skip
+        guilty, innocent = (
+            [g for g, finding in found.items() if finding == of] for of in (GUILTY, INNOCENT)
+        )
+        notes = [
+            f"{one} is guilty here and {other} is not, and in {earlier} it was the other way "
+            "round: are their channels exchanged?"
+            for earlier, then in before
+            for one in guilty
+            for other in innocent
+            if then.get(one) == INNOCENT and then.get(other) == GUILTY
+        ]
+        before.append((name, found))
+        if notes:
+            of = heard.recording
+            heard = replace(heard, recording=replace(of, notes=(*of.notes, *notes[:1])))
+        yield name, times, heard
 
 
 def _same_design(driven: Application, checked: Application) -> None:

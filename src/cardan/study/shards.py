@@ -28,6 +28,7 @@ from os import cpu_count
 from pathlib import Path
 from threading import Event, local
 from time import perf_counter
+from types import TracebackType
 from typing import Any, TypeAlias, cast
 from zipfile import BadZipFile
 
@@ -889,9 +890,14 @@ class Processes(ThreadPoolExecutor):
             self._begun.append((process, self._own.pipe))
         return self._own.pipe
 
-    def __exit__(self, *why: object) -> None:
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+    ) -> None:
         """End the processes, when they have done what they were handed."""
-        super().__exit__(*why)
+        super().__exit__(exc_type, exc_val, exc_tb)
         for process, pipe in self._begun:
             pipe.close()
             process.join()

@@ -60,7 +60,7 @@ class Used:
     long_run
         The damage rate as recorded and in the long run.
     shortened
-        Share of the time in which `KEPT` of the damage came.
+        Share of the time that a test takes which does `KEPT` of the damage.
     amplitude : Pa
         Of a test of as many cycles as the S-N curve's knee that does a recording's damage.
     """
@@ -156,7 +156,9 @@ def used(
                     for p in peaks(one)
                 ],
                 long_run=long_run(one, curve=plan.curve),
-                shortened=shortened(one, keep=KEPT),
+                shortened=shortened(
+                    one, keep=KEPT, curve=plan.curve, correction=plan.correction, rule=plan.rule
+                ),
                 amplitude=equal_amplitude(whole, cycles=plan.curve.cycles, curve=plan.curve)
                 if whole > 0 else 0.0,
             )
