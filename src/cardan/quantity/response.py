@@ -719,10 +719,11 @@ class Response:
     @cached_property
     def duty_angles(self) -> FloatArray:
         """Joint angles (points, ..., n) rad as the torques of the duty cycle have the axle."""
-        cases = self.angles.shape[:-1]
+        each = [(p.torque, p.speed) for p in self.duty]
+        cases = np.broadcast_shapes(self.angles.shape[:-1], *(np.shape(v) for p in each for v in p))
         torque, speed = (
-            np.stack([np.broadcast_to(getattr(p, of), cases) for p in self.duty])
-            for of in ("torque", "speed")
+            np.stack([np.broadcast_to(v, cases) for v in column])
+            for column in zip(*each, strict=True)
         )
 
         def named(case: tuple[int, ...]) -> str:
@@ -730,7 +731,7 @@ class Response:
 
         under = demand_under(self.demand, torque=torque, speed=speed, named=named)
         found = joint_angles(self.lay(under).directions)
-        return np.broadcast_to(found, (len(self.duty), *self.angles.shape))
+        return np.broadcast_to(found, (len(each), *cases, found.shape[-1]))
 
     @cached_property
     def life(self) -> FloatArray:
