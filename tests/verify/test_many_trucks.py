@@ -10,7 +10,10 @@ from collections import Counter
 import pytest
 from many_trucks import drive, found, held, truck
 
-pytestmark = [pytest.mark.oracle, pytest.mark.slow, pytest.mark.filterwarnings("ignore")]
+pytestmark = [
+    pytest.mark.oracle, pytest.mark.slow, pytest.mark.timeout(3600),
+    pytest.mark.filterwarnings("ignore"),
+]  # fmt: skip
 
 TRUCKS = range(18, 50)
 
