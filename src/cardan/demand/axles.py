@@ -172,7 +172,7 @@ class LineLoads:
     lever : (...) 1
         What a newton that pushes the vehicle ahead moves there.
     slope : (...) N
-        What the grade itself takes off it.
+        What the grade itself adds, below 0: its cosine takes some off.
     """
 
     axle: FloatArray
