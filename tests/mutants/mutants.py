@@ -368,7 +368,7 @@ DEMAND = (
            "a front line is held to the least grip", f"{HAND}::test_what_the_vehicle_asks"),
     mutant("demand/axles.py", "np.maximum(back, limit(-mu, *lone_rear))", "np.asarray(back)",
            "a rear line that holds back is held to the least grip", "unit/test_squat.py::test_both_axles_of_a_4x4_squat_by_what_all_its_wheels_push"),
-    mutant("demand/states.py", "squats=free & held & moves", "squats=yields & held & moves",
+    mutant("demand/states.py", "squats=free & line.rests & moves", "squats=yields & line.rests & moves",
            "an axle whose pitch is given does not squat", "unit/test_squat.py::test_a_state_placed_or_pitched_by_hand_squats_as_what_it_repeats"),
     mutant("demand/line.py", "np.minimum(share / installed.torque_ratio, 1.0)", "np.minimum(share, 1.0)",
            "a transfer case's gears are wheels that push", f"{HAND}::test_what_the_vehicle_asks"),

@@ -138,10 +138,9 @@ def at_slip(
     Notes
     -----
     All wheels of the shares slip at once. Where the front would lift it carries nothing and
-    the rear all. Rolling resistance and air
-    drag are left out. On a slope start from its loads; W sin α needs no term of its own,
-    for F holds it. Source: Gillespie (1992), ch. 2; Wong (2008), ch. 3; the form for shares
-    of both groups is derived.
+    the rear all. Rolling resistance and air drag are left out. On a slope start from its loads;
+    W sin α needs no term of its own, for F holds it. Source: Gillespie (1992), ch. 2; Wong
+    (2008), ch. 3; the form for shares of both groups is derived.
     """
     _, mu, h, L, front, rear = floats(friction, cg_height, wheelbase, front_share, rear_share)
     lever = mu * h / L

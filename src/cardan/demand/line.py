@@ -127,6 +127,11 @@ class ResolvedLine:
         """
         return np.array([o is None and self.installed.drives != "all" for o in self.own])
 
+    @property
+    def rests(self) -> BoolArray:
+        """Where the suspension carries the axle's load between its ends, (S,)."""
+        return np.array([s.kind is not None and s.kind not in AT_LIMIT for s in self.states])
+
     def winds(self, kind: SuspensionState) -> BoolArray:
         """Return where the suspension is in a state, (S,)."""
         return np.array([s.kind == kind for s in self.states])

@@ -76,7 +76,7 @@ class Standing:
     yields : (S,)
         Where torque winds it up: the suspension places it, and nobody gives its pitch.
     squats : (S,)
-        Where what the tyres pull moves it on its springs: these hold it, and nothing else does.
+        Where what the tyres pull moves it on its springs: these carry its load.
     slip, slip_back, slip_reverse : (..., S) N m
         Torques at which the wheels slip as the line drives them, holds them back, and drives
         them in reverse; nan where nobody knows.
@@ -695,9 +695,6 @@ def _standing(
     yields = free & np.array([s.pitch is None for s in states])
     x, z = line.axle.pinion_joint if line.axle else (0.0, 0.0)
     slip, slip_back, slip_reverse = _slips(line, loads)
-    held = np.array([
-        s.kind is not None and s.kind not in AT_LIMIT for s in states
-    ])  # fmt: skip
     moves = line.tyre is not None and line.suspension is not None and line.suspension.squats
     return Standing(
         line=line,
@@ -710,7 +707,7 @@ def _standing(
         ),
         stands=stands,
         yields=yields,
-        squats=free & held & moves,
+        squats=free & line.rests & moves,
         slip=slip,
         slip_back=slip_back,
         slip_reverse=slip_reverse,
@@ -790,9 +787,10 @@ def _frequency(line: ResolvedLine, loads: LineLoads) -> FloatArray:
     """Natural frequency on the springs in each state, (..., S) Hz; nan where there is none."""
     if line.suspension is None:
         return np.full(len(line.states), np.nan)
-    rests = np.array([s.kind is not None and s.kind not in AT_LIMIT for s in line.states])
     load = carried(line.suspension, loads.axle)
-    return natural_frequency(line.suspension.spring, np.where(rests & (load > 0), load, np.nan))
+    return natural_frequency(
+        line.suspension.spring, np.where(line.rests & (load > 0), load, np.nan)
+    )
 
 
 def _given(line: ResolvedLine) -> Layout:

@@ -8,7 +8,7 @@ from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.said import Said, said
 from cardan.base.units import mm
 from cardan.base.verdict import EQUAL, GRADES
-from cardan.demand.suspension import AT_LIMIT, spring_load, table_rates
+from cardan.demand.suspension import spring_load, table_rates
 from cardan.loads.rubber import LOSS
 from cardan.model.application import Application
 from cardan.model.vehicle import Spring
@@ -284,9 +284,7 @@ def _left_out(responses: Iterable[Response]) -> Iterator[Said]:
                 "say what they do not",
                 line=r.line.name,
             )
-        at_rest = np.array([s.kind is not None and s.kind not in AT_LIMIT for s in line.states])
-        lever = np.broadcast_to(np.isfinite(of.loads.lever), at_rest.shape)
-        unknown = line.free & at_rest & ~(of.squats & lever)
+        unknown = line.free & line.rests & ~(of.squats & np.isfinite(of.loads.lever))
         if springs.squats and unknown.any():
             yield said(
                 "the axle of line {line} is not moved on its springs by what its tyres pull in "
