@@ -203,12 +203,16 @@ driveline:
   shafts: [{{length_mm: 1900, tube: {{outer_mm: 80, wall_mm: 3, material: E355-N}}, phase_deg: 0}}]
 limits: [{{quantity: half_critical_band, band: [0.42, 0.58], above_angle: 3, source: ours}}]
 duty: [{{share_percent: 100, torque_Nm: 400, speed_rpm: {driven}}}]
+states: [{{name: laden}}, {{name: hung, kind: full rebound, travel_mm: 0}}]
 """
     # Of a pinned tube, METHOD 8: 30 pi/L^2 sqrt(E (D^2 + d^2)/(16 rho)).
     critical = 30 * np.pi / 1.9**2 * np.sqrt(210e9 * (0.08**2 + 0.074**2) / 16 / 7850)
-    (check,) = (c for c in told(tmp_path, line)["checks"] if c["part"] == "shaft 1")
+    checks = {c["state"]: c for c in told(tmp_path, line)["checks"] if c["part"] == "shaft 1"}
+    check = checks["laden"]
     assert check["value"] == pytest.approx(half / critical, rel=1e-3)
     assert check["verdict"] == ("warn" if 0.42 < half / critical < 0.58 else "pass")
+    # Nobody drives a round with the axle hanging.
+    assert checks["hung"]["value"] == pytest.approx(top / critical, rel=1e-3)
 
 
 @pytest.fixture(scope="module")

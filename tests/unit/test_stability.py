@@ -19,7 +19,7 @@ from cardan.base.part import Occasion, Part
 from cardan.base.units import g as gravity
 from cardan.base.units import rpm
 from cardan.cli import cli
-from cardan.demand.states import demand, demand_under
+from cardan.demand.states import demand, demand_under, each_axle_load
 from cardan.dynamics.branched import carried, damped, forced, modes
 from cardan.dynamics.torsion import pins
 from cardan.files.typical import CLASSES, rows, typical
@@ -34,7 +34,7 @@ from cardan.report.language import EN
 from cardan.report.stability import campbell, document, heaviest, shapes, worst_of_parts
 from cardan.study import stability as stability_module
 from cardan.study.approval import approve
-from cardan.study.launching import Losses, _bent, _grips, start
+from cardan.study.launching import CASES, RIGID_ROWS, Losses, _bent, _grips, start
 from cardan.study.powertrain import drivetrain
 from cardan.study.stability import ORDERS, _Running, stability
 from cardan.study.studies import VibrationStudy
@@ -516,6 +516,57 @@ def test_the_geometry_follows_the_axle_as_it_winds_up(starts):
     assert np.abs(bent(np.array([turned])) / bent(np.array([0.0])) - 1).max() > 0.05
 
 
+def test_each_line_winds_its_own_axle_up_by_its_share_as_a_vehicle_starts():
+    """The tandem's second line takes half of what the first has, and bends as under that."""
+    parts = drivetrain(files.read(EXAMPLES / "tandem-6x4.yaml"))
+    asked = tuple(demand(x) for x in parts.lines)
+    s, target = parts.states.index("gvw"), 900.0
+    line = Losses.of(parts, parts.closed).on(parts.closed.line.case([0], [s]))
+    of = modes(line)
+    force = parts.closed.balanced(np.array([target]), of.shape[..., 0])
+    housing = parts.closed.freedoms.index(("main", Part("axle housing")))
+    turned = carried(line, of, force)[0][0, housing]
+    bent = _bent(parts, asked, parts.closed, line, s, target)(np.array([turned]))[0]
+    place_of = 0
+    for d, torque in zip(asked, (target, target / 2), strict=True):
+        T = np.full((1, len(parts.states)), torque)
+        laid = demand_under(d, torque=T, speed=0.0).layout.directions[0, s]
+        own = d.standing.line
+        beta, place = pins(laid, own.line.phases, own.line.crosses)
+        expected = np.tan(beta / 2) ** 2 * np.exp(2j * place)
+        mine = bent[place_of : place_of + len(expected)]
+        assert mine == pytest.approx(expected, abs=1e-9)
+        place_of += len(expected)
+    assert place_of == len(bent)
+
+
+def test_the_tyres_of_each_axle_of_a_tandem_hold_by_what_stands_on_it():
+    """One line turns the other's axle with its own: it holds by one axle, not by the bogie."""
+    parts = drivetrain(files.read(EXAMPLES / "tandem-6x4.yaml"))
+    asked = tuple(demand(x) for x in parts.lines)
+    s, tyre = parts.states.index("gvw"), parts.application.tyre
+    for grip, d in zip(_grips(parts, asked, s), asked, strict=True):
+        _, slipping = each_axle_load(d.standing.line)  # front, and two of the bogie
+        assert grip == pytest.approx(tyre.friction * slipping[s, 1] * tyre.static_radius)
+        assert slipping[s, 1] == slipping[s, 2]
+
+
+def test_a_clutch_slips_at_what_its_file_says_it_holds():
+    """Whatever a launch allows; its disc never carries more, and a launch may ask for less."""
+    given = files.read(EXAMPLES / "medium-truck-4x2.yaml")
+    carries = {}
+    for own, wanted in ((500.0, 1.8), (600.0, 1.8), (600.0, 0.5)):
+        app = replace(given, clutch=replace(given.clutch or Clutch(), capacity=own))
+        parts = drivetrain(app)
+        asked = tuple(demand(x) for x in parts.lines)
+        found = start(parts, asked, Launch(capacity=wanted), step=4e-3)
+        disc = found.springs.index(("", Part("clutch disc")))
+        carries[own, wanted] = found.peak[disc] / float(parts.ratios[0])
+    assert carries[500.0, 1.8] == pytest.approx(500, rel=2e-3)
+    assert carries[600.0, 1.8] == pytest.approx(600, rel=2e-3)
+    assert carries[600.0, 0.5] == pytest.approx(0.5 * max(given.engine.torque), rel=2e-3)
+
+
 def test_a_plane_line_backs_as_it_drives():
     """Where no torque winds the axle up and no load moves, reverse is a gear like any other."""
     given = files.read(EXAMPLES / "medium-truck-4x2.yaml")
@@ -593,18 +644,27 @@ def test_a_rigid_bearing_backs_with_its_axle_wound_up_the_other_way():
     parts = drivetrain(app, astern=True)
     asked = tuple(demand(x) for x in parts.lines)
     found = start(parts, asked, Launch(gear="R"))
-    first = int(np.abs(found.travel.torque[1, :, found.first]).argmax())
-    T = float(found.travel.torque[1, first, found.first])
+    # At instants that are asked themselves, by the torque of a line whose joints are straight:
+    # what these add is in the force already.
+    asks = np.linspace(1, len(found.travel.time) - 1, RIGID_ROWS).astype(int)
+    straight = CASES.index("joints straight")
+    torque = found.travel.torque[straight, asks, found.first]
+    shaken = found.travel.torque[0, asks, found.first]
+    row = int(np.abs(torque / shaken - 1)[torque > torque.max() / 2].argmax())
+    at = int(asks[np.flatnonzero(torque > torque.max() / 2)[row]])
+    joint = parts.closed.freedoms.index(("main", Part("joint", 1)))
     s, r = parts.states.index(found.state), respond(app, asked[0])
-    back, ahead = (
-        float(points.run(r, under, under.layout).peak[s, 0])
-        for under in (
-            demand_under(asked[0], torque=np.full(len(parts.states), k * T), speed=1.0)
-            for k in (-1, 1)
+
+    def peak(case: int, way: int) -> float:
+        T, w = found.travel.torque[case, at, found.first], found.travel.rate[straight, at, joint]
+        under = demand_under(
+            asked[0], torque=np.full(len(parts.states), way * T), speed=w, sense=way
         )
-    )
-    assert found.bearing_force[first, 0] == pytest.approx(back, rel=0.06)  # speed counts little
-    assert abs(ahead / back - 1) > 0.1
+        return float(points.run(r, under, under.layout).peak[s, 0])
+
+    assert found.bearing_force[at, 0] == pytest.approx(peak(straight, -1), rel=1e-6)
+    assert abs(peak(0, -1) / peak(straight, -1) - 1) > 1e-4
+    assert abs(peak(straight, 1) / peak(straight, -1) - 1) > 0.05
 
 
 def test_a_launch_backwards_is_asked_by_its_gear(truck):

@@ -156,7 +156,8 @@ def launch(
                 time = ((i + 2 * at / WHOLE) * step, (i + 2 * (at + part) / WHOLE) * step)
                 half, end, after = made.moved(time, y, now, how, part)
                 changed = made.changed(end, after, how)
-                if part == 1 or changed is how:
+                between = (now.most + after.most) / 2
+                if part == 1 or (changed is how and not made.over(half, between, how).any()):
                     break
                 part //= 2
             if part == WHOLE:
@@ -306,13 +307,17 @@ class _Line:
         y[:, 2 * n :] = np.where(slips, how.slips * most / self.firm, y[:, 2 * n :])
         return (self._propagators(how, k - 1) @ x)[..., 0] if k else y, y, after
 
+    def over(self, y: FloatArray, most: FloatArray, how: _How) -> BoolArray:
+        """Return which springs that stick carry more than they can hold, (B, H)."""
+        torque = np.abs(y[:, 2 * self.line.size :]) * self.firm
+        return (how.slips == 0) & (torque > most * (1 + 1e-9))
+
     def changed(self, y: FloatArray, seen: _Seen, how: _How) -> _How:
         """Return what slips and touches in a state: the same, if nothing has changed."""
         n = self.line.size
-        rates, torque = y[:, n : 2 * n] @ self.held.T, y[:, 2 * n :] * self.firm
-        over = np.abs(torque) > seen.most * (1 + 1e-9)
+        rates, over = y[:, n : 2 * n] @ self.held.T, self.over(y, seen.most, how)
         goes_on = np.where(rates * how.slips >= 0, how.slips, 0)
-        slips = np.where(how.slips == 0, np.where(over, np.sign(torque), 0), goes_on).astype(int)
+        slips = np.where(over, np.sign(y[:, 2 * n :]), goes_on).astype(int)
         touches = how.touches
         if self.play:
             touches = np.where(np.abs(seen.gap) > self.play / 2, np.sign(seen.gap), 0).astype(int)
