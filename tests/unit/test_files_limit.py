@@ -122,8 +122,14 @@ def test_a_limit_is_required_where_it_says_so(tmp_path, required):
          "must be one of <=, >= (got <); did you mean <=?"),
         ("quantity: half_critical_band, band: [0.4], source: us", "f.yaml:3:42: limits[1].band: must "
          "be a list of 2 numbers, [from, to] (got a list of 1)"),
-        ("quantity: half_critical_band, band: [0.6, 0.4], source: us", "f.yaml:3:5: limits[1]: the "
-         "band of half_critical_band must rise from above 0, got (0.6, 0.4)"),
+        ("quantity: half_critical_band, band: [0.6, 0.4], source: us", "f.yaml:3:36: limits[1].band: "
+         "must rise from above 0 (got 0.6, 0.4)"),
+        ("quantity: joint_angle, band: [2, 1], source: us", "f.yaml:3:29: limits[1].band: must rise "
+         "from above 0 (got 2, 1)"),
+        ("quantity: joint_angle, band: [1, 2], maximum: 5, source: us", "f.yaml:3:52: limits[1]."
+         "maximum: a band is a limit of its own: list another of this quantity beside it"),
+        ("quantity: joint_angle, band: [1, 2], normal: 5, source: us", "f.yaml:3:51: limits[1]."
+         "normal: a band is a limit of its own: list another of this quantity beside it"),
     ],
 )  # fmt: skip
 def test_a_wrong_limit_is_told_what_is_wrong(tmp_path, limit, message):

@@ -64,6 +64,9 @@ class Limit:
         if not bounds or not all(map(isfinite, bounds)):
             msg = f"a limit of {self.quantity} needs a finite normal, maximum or band"
             raise DesignError(msg)
+        if self.band and not (self.normal is None and self.maximum is None):
+            msg = f"a limit of {self.quantity} has a band, or a normal and a maximum, not both"
+            raise DesignError(msg)
         if self.band and not 0 < self.band[0] < self.band[1]:
             msg = f"the band of {self.quantity} must rise from above 0, got {self.band}"
             raise DesignError(msg)

@@ -129,8 +129,12 @@ class ResolvedLine:
 
     @property
     def rests(self) -> BoolArray:
-        """Where the suspension carries the axle's load between its ends, (S,)."""
-        return np.array([s.kind is not None and s.kind not in AT_LIMIT for s in self.states])
+        """Where the suspension carries the axle's load between its ends, (S,).
+
+        A state of no kind lies as the reference does.
+        """
+        kinds = [s.kind or self.reference.kind for s in self.states]
+        return np.array([kind not in AT_LIMIT for kind in kinds])
 
     def winds(self, kind: SuspensionState) -> BoolArray:
         """Return where the suspension is in a state, (S,)."""

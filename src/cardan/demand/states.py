@@ -667,9 +667,12 @@ def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray])
 
 
 def _stands(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray]) -> FloatArray:
-    """Deflection of the axle's springs where states give its travel, (..., S) m; else nan."""
+    """Deflection of the axle's springs where states give its travel, (..., S) m; else nan.
+
+    One of no kind has it where the reference does, whatever its load.
+    """
     suspension, load = line.suspension, axle_loads[line.reference_loading.key]
-    given = _by_state(s.travel for s in line.states)
+    given = _by_state(0.0 if s.travel is None and s.kind is None else s.travel for s in line.states)
     known = ~np.isnan(load).any() or (suspension and suspension.reference in AT_LIMIT)
     if suspension is None or not known or np.isnan(given).all():
         return np.full_like(given, np.nan)
@@ -784,13 +787,15 @@ def _pitch(line: ResolvedLine, on_axle: FloatArray) -> FloatArray:
 
 
 def _frequency(line: ResolvedLine, loads: LineLoads) -> FloatArray:
-    """Natural frequency on the springs in each state, (..., S) Hz; nan where there is none."""
+    """Natural frequency on the springs in each state, (..., S) Hz; nan where there is none.
+
+    Nor has a state of no kind one, which says nothing of how it is loaded.
+    """
     if line.suspension is None:
         return np.full(len(line.states), np.nan)
     load = carried(line.suspension, loads.axle)
-    return natural_frequency(
-        line.suspension.spring, np.where(line.rests & (load > 0), load, np.nan)
-    )
+    rests = line.rests & np.array([s.kind is not None for s in line.states])
+    return natural_frequency(line.suspension.spring, np.where(rests & (load > 0), load, np.nan))
 
 
 def _given(line: ResolvedLine) -> Layout:

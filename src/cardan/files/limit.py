@@ -87,6 +87,7 @@ class LimitTable(Table):
             self.at("unit").refuse(message, got=self.unit or "")
         sense = self.sense or quantity.sense
         self._order(sense)
+        self._alone()
         worth, band = UNITS[unit], self.band
         return Limit(
             quantity=self.quantity,
@@ -122,6 +123,18 @@ class LimitTable(Table):
             message = f"must lie on the safe side of the maximum, {self.quantity} {sense} {last:g}"
             hint = 'sense: "<=" is an upper limit, ">=" a lower one'
             self.at("normal").refuse(message, hint, got=f"{first:g}")
+
+    def _alone(self) -> None:
+        """Refuse a band that falls, and one beside other bounds: each asks for itself."""
+        if self.band is None:
+            return
+        first, last = self.band
+        if not 0 < first < last:
+            self.at("band").refuse("must rise from above 0", got=f"{first:g}, {last:g}")
+        for name in ("normal", "maximum"):
+            if getattr(self, name) is not None:
+                message = "a band is a limit of its own: list another of this quantity beside it"
+                self.at(name).refuse(message)
 
 
 Limits: TypeAlias = Annotated[tuple[Limit, ...], ListOf(TableRule(LimitTable), most=500)]

@@ -270,7 +270,17 @@ def _left_out(responses: Iterable[Response]) -> Iterator[Said]:
                 line=r.line.name,
             )
         springs = line.suspension
-        if springs is None or line.axle is None or not line.free.any():
+        if springs is None or line.axle is None:
+            continue
+        laid = np.array([own is not None for own in line.own])
+        if laid.any() and (springs.squats or springs.windup_stiffness is not None):
+            yield said(
+                "line {line} runs in {states} as these say, whatever its torque: it does not move "
+                "the axle there",
+                line=r.line.name,
+                states=_where(r, laid),
+            )
+        if not line.free.any():
             continue
         if springs.windup_stiffness is None:
             yield said(
