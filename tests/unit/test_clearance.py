@@ -1,5 +1,7 @@
 """Distances between segments, by hand and by brute force."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,7 +11,7 @@ from scipy.optimize import lsq_linear
 from cardan.demand.clearance import between, clearances
 from cardan.model.application import Obstacle
 from cardan.model.layout import from_slopes
-from cardan.model.parts import Line, Shaft, Tube
+from cardan.model.parts import CentreBearing, JointSize, Line, Shaft, Tube
 
 coordinate = st.integers(-3, 3).map(float)
 point = st.tuples(coordinate, coordinate, coordinate)
@@ -55,3 +57,27 @@ def test_segments_are_as_far_apart_as_bounded_least_squares_says():
         u, v, w = b[k] - a[k], d[k] - c[k], c[k] - a[k]
         best = lsq_linear(np.stack([u, -v], axis=-1), w, bounds=(0, 1), tol=1e-14)
         assert found[k] == pytest.approx(np.sqrt(2 * best.cost), rel=1e-6)
+
+
+def test_yokes_swing_wider_than_the_tube():
+    """A pin 60 mm under the middle joint, 10 mm thick: tubes of 70 clear it, a swing of 140 hits.
+
+    The yokes of both shafts turn in the same ball; 200 mm along only the tube is there.
+    """
+    tube = Tube(outer=0.07, wall=0.003)
+    hung = CentreBearing(from_rear_joint=0.1)
+    shafts = (Shaft(length=1.0, tube=tube, centre_bearing=hung), Shaft(length=1.0, tube=tube))
+    layout = from_slopes(side=[0, 0, 0, 0], top=[0, 0, 0, 0], lengths=[1.0, 1.0])
+    pin, behind = (
+        Obstacle(name=name, start=(x, -1, -0.06), end=(x, 1, -0.06), radius=0.005)
+        for name, x in (("under the joint", 1.0), ("behind it", 1.2))
+    )
+    size = JointSize(name="wide", swing_diameter=0.14)
+    bare = Line(shafts=shafts)
+    clear = clearances(layout, bare, (pin, behind), travel=0.0)
+    assert clear == pytest.approx(np.array([[0.02, np.hypot(0.2, 0.06) - 0.04], [0.02, 0.02]]))
+    told = clearances(layout, replace(bare, joints=(None, size, None)), (pin, behind), travel=0.0)
+    ball = np.hypot(0.2, 0.06) - 0.07 - 0.005
+    assert told == pytest.approx(np.array([[-0.015, ball], [-0.015, min(0.02, ball)]]))
+    ends = clearances(layout, replace(bare, joints=(size, None, size)), (pin, behind), travel=0.0)
+    assert ends == pytest.approx(clear)

@@ -102,6 +102,48 @@ def test_a_state_placed_or_pitched_by_hand_squats_as_what_it_repeats():
     assert found.pitch[0, pitched] == pytest.approx(0.0, abs=1e-15)
 
 
+def test_a_state_that_says_nothing_squats_as_what_it_lies_as():
+    """A file without states too: the reference, here gvw. One laid by hand is told to stay."""
+    of = asked(replace(TRUCK, states=(
+        State(name="gvw", kind="gvw"), State(name="as given"), State(name="laden", load="gvw"),
+    )))  # fmt: skip
+    found = demand_under(of, torque=np.full((1, 3), 5410.25), speed=0.0)
+    assert found.travel[0, 0] > 40 * mm
+    assert found.travel[0] == pytest.approx(np.full(3, found.travel[0, 0]), rel=1e-12)
+    # Light in the same place it has less to carry and stops at the same stop.
+    low = replace(TRUCK.suspension, jounce_deflection=190 * mm)
+    of = asked(
+        replace(TRUCK, suspension=low, states=(*TRUCK.states, State(name="l", load="empty")))
+    )
+    found = demand_under(of, torque=np.full((1, len(of.states)), 5410.25), speed=0.0)
+    stop = of.travel[of.states.index("jounce")]
+    assert 0 < found.travel[0, -1] <= stop
+    held = TRUCK.lines[0].layout
+    laid = State(name="measured", layouts={"main": held})
+    application = replace(TRUCK, states=(State(name="gvw", kind="gvw"), laid))
+    of = asked(application)
+    found = demand_under(of, torque=np.full((1, 2), 5410.25), speed=0.0)
+    assert found.travel[0, 1] == of.travel[1] == 0.0
+    said = [str(n) for n in noted(application, [respond(application, of)])]
+    assert sum("runs in measured as these say, whatever its torque" in n for n in said) == 1
+
+
+def test_nothing_squats_whose_reference_lies_at_a_stop():
+    hung = replace(TRUCK.suspension, reference="full rebound")
+    of = asked(replace(TRUCK, suspension=hung, states=(State(name="as given"),)))
+    found = demand_under(of, torque=np.full((1, 1), 3000.0), speed=0.0)
+    assert found.travel[0, 0] == of.travel[0]
+
+
+def test_where_a_spring_ends_nobody_knows_a_bump_stop():
+    """Its table does, or twice the deflection at which its second rate begins."""
+    open_ = replace(TRUCK, suspension=replace(TRUCK.suspension, jounce_deflection=None))
+    ends = TRUCK.suspension.spring.deflection[-1] / mm
+    for application, said in ((open_, 1), (TRUCK, 0)):
+        notes = [str(n) for n in noted(application, [respond(application, asked(application))])]
+        assert sum(f"ends, at {ends:.3g} mm" in n for n in notes) == said
+
+
 @pytest.mark.parametrize("kind", ["jounce", "full rebound"])
 def test_one_placed_by_hand_stops_where_its_stops_are(kind):
     """Two millimetres from the bump stop, and from the strap."""

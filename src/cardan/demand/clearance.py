@@ -40,8 +40,8 @@ def gaps(layout: Layout, line: Line, obstacles: tuple[Obstacle, ...], *, travel:
     """Return how free shafts are of obstacles where these may be nearest.
 
     Shafts are round bars of their tube's diameter (lines where no tube is known) between
-    joint centres; obstacles are capsules that follow the axle by their share of its
-    `travel` (...) m, up positive.
+    joint centres, with a ball at each joint whose yokes' swing is known; obstacles are capsules
+    that follow the axle by their share of its `travel` (...) m, up positive.
     """
     starts = vectors(o.start for o in obstacles)[..., None, :, :]
     ends = vectors(o.end for o in obstacles)[..., None, :, :]
@@ -51,12 +51,20 @@ def gaps(layout: Layout, line: Line, obstacles: tuple[Obstacle, ...], *, travel:
     points = layout.points[..., :, None, :]
     share, away = between(points[..., :-1, :, :], points[..., 1:, :, :], starts + lift, ends + lift)
     distance = size(away)
-    bars = stacked(s.tube.outer / 2 if s.tube else 0.0 for s in line.shafts)
     return Gaps(
-        free=distance - (bars[..., None] + radii)[..., None],
+        free=distance - _thick(line)[..., None, :] - radii[..., None],
         share=share,
         away=away / np.where(distance > 0, distance, 1.0)[..., None],
     )
+
+
+def _thick(line: Line) -> FloatArray:
+    """Return half of what shafts are thick at the places that `between` has, (..., n-1, 5) m."""
+    bars = stacked(s.tube.outer / 2 if s.tube else 0.0 for s in line.shafts)
+    sizes = line.joints or (None,) * line.joint_count
+    yokes = stacked(s.swing_diameter / 2 if s and s.swing_diameter else 0.0 for s in sizes)
+    ends = (np.maximum(bars, yokes[..., k : yokes.shape[-1] - 1 + k]) for k in (0, 1))
+    return stacked((*ends, bars, bars, bars))
 
 
 def between(

@@ -350,6 +350,7 @@ class JointTable(Table):
             cup_diameter=self.cup_diameter,
             cup_length=self.cup_length,
             needle_circle=self.needle_circle,
+            swing_diameter=self.swing_diameter,
             mass=self.mass,
             source=_source(self.source, self.how_read),
             note=self.note or "",

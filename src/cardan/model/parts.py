@@ -135,6 +135,8 @@ class JointSize:
     cup_diameter: Metre | None = None
     cup_length: Metre | None = None
     needle_circle: Metre | None = None
+    swing_diameter: Metre | None = None
+    """Of the ball that its yokes turn in, whatever the angle."""
     mass: Kilogram | None = None
     source: Source = ASSUMED
     note: str = ""

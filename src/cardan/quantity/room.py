@@ -77,6 +77,7 @@ DECLARED = (
         unit="mm",
         equation="c = distance of shaft axis and obstacle axis − their radii",
         source=DERIVED,
+        use="At a joint whose swing_diameter is known, the radius is that of its yokes there.",
         of=lambda r: r.clearances.reshape(*r.clearances.shape[:-2], -1),
         parts=_pairs,
         sense=">=",
