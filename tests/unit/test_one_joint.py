@@ -72,6 +72,26 @@ def test_a_joint_that_cannot_be_is_refused():
         OneJoint(angle=2.0, speed=1.0)
 
 
+@pytest.mark.parametrize("angle", ["54.7deg", "54.8deg", "60deg", "89deg"])
+def test_where_an_approximation_has_no_answer_the_joint_still_has_one(angle):
+    """Omar's eq. 6 asks for a cosine above 1 from sin² β = 2/3 on, 54.74 deg."""
+    done = CliRunner().invoke(cli, ["joint", "--angle", angle, "--speed", "1000rpm", "--json"])
+    assert done.exit_code == 0
+    found = json.loads(done.stdout)["acceleration"]
+    theta = np.linspace(0, np.pi, 200_001)
+    beta, w = float(angle[:-3]) * deg, 1000 * np.pi / 30
+    speed = np.cos(beta) / (1 - np.sin(beta) ** 2 * np.cos(theta) ** 2) * w
+    curve = np.abs(np.gradient(speed, theta) * w).max()
+    assert found["largest_rad_s2"] == pytest.approx(curve, rel=1e-4)
+    omar = found["approximations_rad_s2"].pop("omar_eq6")
+    assert (omar is None) == (angle != "54.7deg")
+    assert omar is None or 0 < omar < found["largest_rad_s2"]
+    assert all(found["approximations_rad_s2"].values())
+    printed = CliRunner().invoke(cli, ["joint", "--angle", angle, "--speed", "1000rpm"])
+    assert printed.exit_code == 0
+    assert ("none" in printed.stdout) == (omar is None)
+
+
 @pytest.mark.parametrize("code", CODES)
 def test_a_joint_is_told_in_every_language_and_fits(code):
     say = Language(code)

@@ -320,17 +320,31 @@ def _geared(
     most: FloatArray,
     there: BoolArray,
 ) -> Iterator[_Curve]:
-    """Yield a curve for each gear from its corners (..., G, E), at most as fast as is said."""
+    """Yield a curve for each gear from its corners (..., G, E), at most as fast as is said.
+
+    What is said may be faster than the engine turns in its fastest gear, downhill: its brake
+    holds as much there, and full load falls off to nothing.
+    """
+    said, reach = said_speed(asked.standing.line), speed[..., -1]
     for g, name in enumerate(gears.names):
-        end = np.fmin(speed[..., g, -1], said_speed(asked.standing.line))
+        end = np.fmin(reach[..., g], said)
+        x, T = (_beside_states(v[..., g, :]) for v in (speed, torque))
+        rolls = (reach[..., g] == reach.max(-1)) & (said > reach[..., g]) & (direction != "reverse")
+        if rolls.any():
+            end = np.where(rolls, said, end)
+            kept = 0.0 if direction == "drive" else 1.0
+            x = _followed(x, np.where(rolls, said, reach[..., g]))
+            T = _followed(T, np.where(rolls, kept, 1.0) * T[..., -1])
         yield _Curve(
-            gear=name,
-            direction=direction,
-            speed=_beside_states(speed[..., g, :]),
-            torque=_beside_states(torque[..., g, :]),
-            most=most,
+            gear=name, direction=direction, speed=x, torque=T, most=most,
             fastest=np.where(there, end, np.nan),
-        )
+        )  # fmt: skip
+
+
+def _followed(corners: FloatArray, by: FloatArray) -> FloatArray:
+    """Return corners (..., S or 1, E) with one more of each state (..., S), (..., S, E + 1)."""
+    before = np.broadcast_to(corners, (*by.shape, corners.shape[-1]))
+    return np.concatenate([before, by[..., None]], axis=-1)
 
 
 def _beside_states(values: FloatArray) -> FloatArray:

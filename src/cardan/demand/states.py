@@ -596,7 +596,7 @@ def _engine_torques(line: ResolvedLine) -> tuple[FloatArray, FloatArray, FloatAr
         return np.asarray(np.nan), line.share * held, np.asarray(np.nan)
     low = np.asarray(gearbox.transfer_ratio)
     by_j3311 = low_gear_torque(
-        stacked(engine.torque).max(-1),
+        engine.peak,
         ratio=stacked(gearbox.ratios).max(-1),
         efficiency=np.where(np.asarray(gearbox.converter_ratio) == 1, 0.85, 0.80),
         stall_ratio=gearbox.converter_ratio,

@@ -89,9 +89,10 @@ def gears(
         speed_ratio, torque_ratio, gearbox.efficiency, gearbox.converter_ratio
     )
     pace, gain = pace[..., None], (eta * stall * share)[..., None, None]
+    turns, pulls = map(stacked, engine.full_load)
     speed, torque = np.broadcast_arrays(
-        pace[..., None] * stacked(engine.speed)[..., None, :] / ratios[..., None],
-        gain * ratios[..., None] * stacked(engine.torque)[..., None, :],
+        pace[..., None] * turns[..., None, :] / ratios[..., None],
+        gain * ratios[..., None] * pulls[..., None, :],
     )
     return Gears(
         names=tuple(f"{low}{k + 1}" for low in ranges for k in range(len(gearbox.ratios))),

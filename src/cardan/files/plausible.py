@@ -313,14 +313,14 @@ def _top(application: Application) -> float:
     if application.engine is None:
         return nan
     ratios = application.gearbox.ratios if application.gearbox else (1.0,)
-    return max(application.engine.speed) / min(ratios)
+    return max(application.engine.full_load[0]) / min(ratios)
 
 
 def _most(application: Application) -> float:
     """Largest torque at the gearbox output, without losses, N m."""
     if application.engine is None:
         return nan
-    gearbox, torque = application.gearbox, max(application.engine.torque)
+    gearbox, torque = application.gearbox, application.engine.peak
     if gearbox is None:
         return torque
     return torque * max(gearbox.ratios) * gearbox.converter_ratio * max(gearbox.transfer_ratio, 1)

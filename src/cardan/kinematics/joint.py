@@ -243,9 +243,13 @@ def _no_cos(_: Any, beta: Any) -> Any:
 
 
 def _acceleration_at(beta: ArrayLike, cos_2theta: Callable[[Any, Any], Any]) -> FloatArray:
-    """|Acceleration| over ω₁² where cos 2θ, pin in plane, is that of a function of β."""
+    """|Acceleration| over ω₁² where cos 2θ, pin in plane, is that of a function of β.
+
+    nan where no angle has that cosine.
+    """
     xp, beta = _unlocked(beta)
     s2, c = xp.sin(beta) ** 2, cos_2theta(xp, beta)
+    c = xp.where(c <= 1, c, xp.nan)
     return xp.cos(beta) * s2 * xp.sqrt(1 - c**2) / (1 - s2 * (1 + c) / 2) ** 2
 
 

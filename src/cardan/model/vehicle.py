@@ -46,6 +46,7 @@ class Engine:
     cylinders: int | None = None
     idle: RadianPerSecond | None = None
     governed: RadianPerSecond | None = None
+    """Where the governor leaves nothing; None is the last speed of the curve."""
     firing_torque: NewtonMetre | None = None
     """0-to-peak of the firing order at full load."""
 
@@ -54,6 +55,32 @@ class Engine:
             msg = "an engine needs as many torques as speeds, and at least one of each"
             raise DesignError(msg)
         _rising("an engine curve", speeds=self.speed)
+
+    @property
+    def full_load(self) -> tuple[tuple[RadianPerSecond, ...], tuple[NewtonMetre, ...]]:
+        """Speeds and torques up to governed speed, rad/s and N m.
+
+        Beyond its last point the curve falls straight to nothing there; of points beyond
+        governed speed nothing is left.
+        """
+        top = self.governed
+        if top is None:
+            return self.speed, self.torque
+        droops = np.greater(top, self.speed[-1])
+        ends = np.where(droops, top, self.speed[-1]), np.where(droops, 0.0, self.torque[-1])
+        points = (*zip(self.speed, self.torque, strict=True), ends)
+        speed, torque = [np.minimum(self.speed[0], top)], [self.torque[0]]
+        for (before, start), (there, end) in itertools.pairwise(points):
+            wide = np.where(there > before, there - before, 1.0)
+            cut = start + np.clip((top - before) / wide, 0.0, 1.0) * (end - start)
+            torque.append(np.where(np.less(before, top), cut, torque[-1]))
+            speed.append(np.minimum(there, top))
+        return tuple(speed), tuple(torque)
+
+    @property
+    def peak(self) -> NewtonMetre:
+        """Largest torque that governed speed leaves, N m."""
+        return np.max(np.stack(np.broadcast_arrays(*self.full_load[1])), axis=0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -96,10 +96,12 @@ def _numbers(of: OneJoint, say: Language) -> Iterator[tuple[str, ...]]:
     yield say("Speed, least"), _figures(slowest, say, 5), "rpm", ""
     yield say("Speed, largest"), _figures(fastest, say, 5), "rpm", ""
     yield say("Irregularity"), _figures(100 * of.irregularity, say), "%", ""
-    exact = of.accelerations
-    yield say("Acceleration, largest"), f"±{_figures(exact.pop('exact'), say)}", "rad/s²", peak_at
-    for name, value in exact.items():
-        yield f"  ({say.given(APPROXIMATIONS[name])})", _figures(value, say), "rad/s²", ""
+    largest = f"±{_figures(of.acceleration, say)}"
+    yield say("Acceleration, largest"), largest, "rad/s²", peak_at
+    for name, known in APPROXIMATIONS.items():
+        value = of.accelerations[name]
+        told = say("none") if value is None else _figures(value, say)
+        yield f"  ({say.given(known)})", told, "rad/s²", ""
     yield say("Swing of the cross in each yoke"), f"±{_figures(of.angle / deg, say)}", "deg", ""
     driving, driven = of.cross_rates
     yield say("Rate of the cross in the driving yoke"), f"±{_figures(driving, say)}", "rad/s", ""
@@ -183,7 +185,6 @@ def document(of: OneJoint) -> dict[str, Any]:
     """Return a joint for programs: numbers, and curves at every degree of a turn."""
     theta = np.arange(360.0)
     c = of.round(theta * deg)
-    exact = of.accelerations
     low, high = of.speeds
     found: dict[str, Any] = {
         "cardan": ".".join(__version__.split(".")[:2]),
@@ -194,9 +195,9 @@ def document(of: OneJoint) -> dict[str, Any]:
         "speed": {"least_rpm": low / rpm, "largest_rpm": high / rpm,
                   "irregularity": of.irregularity},
         "acceleration": {
-            "largest_rad_s2": exact.pop("exact"),
+            "largest_rad_s2": of.acceleration,
             "at_deg": (of.acceleration_at / deg).tolist(),
-            "approximations_rad_s2": exact,
+            "approximations_rad_s2": {name: of.accelerations[name] for name in APPROXIMATIONS},
         },
         "cross": {
             "swing_deg": of.angle / deg,

@@ -166,13 +166,9 @@ def _general(sheet: Sheet, a: Application) -> int:
 
     engine, gearbox, tyre = a.engine, a.gearbox, a.tyre
     sheet.section(say("Engine and gearbox"))
-    put(
-        say("engine speed"),
-        "rpm",
-        [v / rpm for v in engine.speed] if engine else [None],
-        "engine_speeds",
-    )
-    put(say("engine torque"), "N·m", list(engine.torque) if engine else [None], "engine_torques")
+    turns, pulls = engine.full_load if engine else ((), ())
+    put(say("engine speed"), "rpm", [float(v) / rpm for v in turns] or [None], "engine_speeds")
+    put(say("engine torque"), "N·m", [float(v) for v in pulls] or [None], "engine_torques")
     put(say("gear ratios"), "", list(gearbox.ratios) if gearbox else [1.0], "gear_ratios")
     put(
         say("gearbox efficiency"),

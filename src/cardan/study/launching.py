@@ -210,7 +210,7 @@ def start(
     losses = Losses.of(parts, powertrain)
     straight = line = losses.on(powertrain.line.case([gear], [state]))
     i, r = float(parts.ratios[gear]), parts.radius
-    full = float(max(engine.torque))
+    full = float(engine.peak)
     clutch_torque = wanted.clutch_torque if wanted.clutch_torque is not None else full
     capacity = wanted.capacity * clutch_torque
     if application.clutch is not None and application.clutch.capacity is not None:

@@ -75,15 +75,13 @@ class OneJoint:
     @property
     def acceleration(self) -> float:
         """Largest acceleration of the driven shaft, rad/s²."""
-        return self.accelerations["exact"]
+        return float(joint.max_acceleration(self.angle)) * self.speed**2
 
     @property
-    def accelerations(self) -> dict[str, float]:
-        """The same by name: exact, and as the field approximates it, rad/s²."""
-        return {
-            name: float(of(self.angle)) * self.speed**2
-            for name, of in joint.MAX_ACCELERATION.items()
-        }
+    def accelerations(self) -> dict[str, float | None]:
+        """The same by name: exact, and as the field approximates it, rad/s²; None where not."""
+        each = {name: float(of(self.angle)) for name, of in joint.MAX_ACCELERATION.items()}
+        return {n: None if np.isnan(each[n]) else each[n] * self.speed**2 for n in each}
 
     @property
     def acceleration_at(self) -> FloatArray:

@@ -189,7 +189,7 @@ class Drivetrain:
         Lines whose joints do not count: they turn at another speed than the main line.
     firing : (amplitude N m, cylinders, litres)
         Of the engine at full load.
-    idle, governed : rad/s
+    idle : rad/s
         Of the engine.
     """
 
@@ -207,7 +207,6 @@ class Drivetrain:
     firing_torque: float
     cylinders: int
     idle: float
-    governed: float
     mass: FloatArray
     radius: float
     friction: float
@@ -250,9 +249,8 @@ def drivetrain(
     made = _Vehicle(application, lines, known, surroundings or Surroundings(), mass, astern=astern)
     closed, slipping = made.powertrain(closed=True), made.powertrain(closed=False)
     engine = application.engine
-    top = max(engine.speed) if engine else 0.0
     given_idle = engine.idle if engine else None
-    peak = max(engine.torque) if engine else 0.0
+    peak = float(engine.peak) if engine else 0.0
     firing = engine.firing_torque if engine else None
     share = 0.0 if firing is not None or not engine else known.of(None, "engine.firing_torque")
     cylinders = engine.cylinders if engine else None
@@ -270,7 +268,6 @@ def drivetrain(
         firing_torque=firing if firing is not None else share * peak,
         cylinders=round(known.of(cylinders, "engine.cylinders")) if engine else 0,
         idle=known.of(given_idle, "engine.idle") if engine else 0.0,
-        governed=engine.governed if engine and engine.governed is not None else top,
         mass=mass,
         radius=made.radius,
         friction=made.friction,
@@ -366,7 +363,7 @@ class _Vehicle:
         i2 = (self.ratios**2)[:, None]
         shaft = parts.freedom("", Part("gearbox input"))
         rotors = (app.gearbox or DIRECT).rotors
-        torque = float(max(app.engine.torque)) if app.engine else 0.0
+        torque = float(app.engine.peak) if app.engine else 0.0
         clutch, flywheel, converter = app.clutch, app.dual_mass_flywheel, app.converter
         turned = 0.0
         if closed:

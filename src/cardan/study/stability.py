@@ -340,8 +340,7 @@ class _Running:
         said = said_speed(self.main.standing.line)
         if self.main.gears is None:
             return (self.main.speed * self._driven)[None]
-        top = np.minimum(self.main.gears.speed.max(-1), self.parts.governed / self.parts.ratios)
-        return np.fmin(top[:, None], said) * self._driven
+        return np.fmin(self.main.gears.speed.max(-1)[:, None], said) * self._driven
 
     @cached_property
     def closed_ranges(self) -> FloatArray:
