@@ -4,6 +4,7 @@ The oracle minimises the potential of springs, load and tyre force over the axle
 where the program iterates a balance of forces.
 """
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from cardan import files
+from cardan.base.errors import DesignError
 from cardan.base.units import deg, g, mm
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.demand.suspension import axle_path, spring_load, squat
@@ -135,13 +137,40 @@ def test_nothing_squats_whose_reference_lies_at_a_stop():
     assert found.travel[0, 0] == of.travel[0]
 
 
-def test_where_a_spring_ends_nobody_knows_a_bump_stop():
-    """Its table does, or twice the deflection at which its second rate begins."""
-    open_ = replace(TRUCK, suspension=replace(TRUCK.suspension, jounce_deflection=None))
-    ends = TRUCK.suspension.spring.deflection[-1] / mm
-    for application, said in ((open_, 1), (TRUCK, 0)):
-        notes = [str(n) for n in noted(application, [respond(application, asked(application))])]
-        assert sum(f"ends, at {ends:.3g} mm" in n for n in notes) == said
+def test_rates_have_no_end_and_say_so():
+    """At 171 mm it stands past the 160 of its two points: squat was nothing, 1287 N for 2165."""
+    assert TRUCK.suspension.spring.deflection[-1] == pytest.approx(160 * mm)
+    open_ = replace(TRUCK.suspension, jounce_deflection=None)
+    riding = tuple(s for s in TRUCK.states if s.kind != "jounce")
+    application = replace(TRUCK, suspension=open_, states=riding)
+    of, stopped = asked(application), asked(replace(TRUCK, states=riding))
+    k = of.states.index("gvw")
+    for each in (of, stopped):
+        found = demand_under(each, torque=np.full((1, len(riding)), 5410.25), speed=0.0)
+        assert found.travel[0, k] == pytest.approx(47.15 * mm, abs=0.01 * mm)
+    said = [str(n) for n in noted(application, [respond(application, of)])]
+    assert sum("nothing stops the axle of line main as it rises" in n for n in said) == 1
+    with pytest.raises(DesignError, match="state jounce needs jounce_deflection"):
+        asked(replace(TRUCK, suspension=open_))
+
+
+def test_a_table_that_ends_below_its_load_stops_nothing():
+    """And is wondered at; one that ends above it is metal to metal there."""
+    text = (EXAMPLES / "medium-truck-4x2.yaml").read_text("utf-8")
+    riding = "states: [gvw]\n"
+    text = re.sub(r"(?m)^states:\n(?:  .*\n)+", riding, text)
+    text = re.sub(r"  jounce_deflection_mm: .*\n", "", text)
+    rates = re.search(r"    rates_N_mm: .*\n    contact_mm: .*\n", text)
+    found = {}
+    for end in (160, 175, 218.2):
+        load = 13200 + 235 * (end - 80)
+        table = f"    load_N: [0, 13200, {load}]\n    deflection_mm: [0, 80, {end}]\n"
+        of = asked(files.loads(text.replace(rates[0], table)))
+        under = demand_under(of, torque=np.full((1, 1), 5410.25), speed=0.0)
+        found[end] = float(under.travel[0, 0]) / mm
+    assert found[160] == pytest.approx(47.15, abs=0.01)
+    assert found[175] == pytest.approx(175 - 170.93, abs=0.1)
+    assert found[218.2] == pytest.approx(47.15, abs=0.01)
 
 
 @pytest.mark.parametrize("kind", ["jounce", "full rebound"])

@@ -817,13 +817,12 @@ def axle_motion(truck, line, state, load, torque, *, driven=0.0):
     States of wind-up are moved by their torque, others by what drives them, if anything does.
     """
     springs = truck.springs[line.springs]
+    at_reference = nan
+    if springs.reference in truck.loads:
+        at_reference = loads_on(truck, line, State("", load=springs.reference))["axle"]
+    reference = deflection(springs, springs.reference, at_reference)
     if state.kind:
-        at_reference = nan
-        if springs.reference in truck.loads:
-            at_reference = loads_on(truck, line, State("", load=springs.reference))["axle"]
-        rise = deflection(springs, state.kind, load["axle"]) - deflection(
-            springs, springs.reference, at_reference
-        )
+        rise = deflection(springs, state.kind, load["axle"]) - reference
     else:
         rise = 0.0 if isnan(state.travel) else state.travel
     through_axle = line.axle_ratio / line.axles_behind
@@ -841,9 +840,12 @@ def axle_motion(truck, line, state, load, torque, *, driven=0.0):
         grip = truck.friction * truck.static_radius * load["brake"]
         housing = -(min(held, grip) if springs.brake else grip)
         moved = load["onto"]["brake"] * -housing / grip
-    if housing and state.kind:  # its springs hold it
+    if housing and line.name not in state.slopes:  # its springs hold it
         moved += load["onto"]["slope"]
-        rise += squat(springs, line.ahead, rise, load["axle"], moved, housing, truck.static_radius)
+        rise += squat(
+            springs, line.ahead, rise, load["axle"], moved, housing, truck.static_radius,
+            stands=reference + rise,
+        )  # fmt: skip
     rearward, pitch = led(springs, rise)
     pitch += line.ahead * housing / springs.windup if housing and isnan(state.pitch) else 0.0
     if not isnan(state.pitch):
@@ -862,12 +864,12 @@ def led(springs, rise):
     return springs.link * (cos(angle) - cos(springs.link_angle)), springs.pitch_rate * rise
 
 
-def squat(springs, ahead, rise, axle_load, moved, housing, radius):
+def squat(springs, ahead, rise, axle_load, moved, housing, radius, *, stands):
     """How far the axle rises until no more work is done on it: halving, between the stops.
 
     A little further up, the springs take work; the load moved onto the axle does some, and so
     does the tyre's force, where tyre and ground meet: as the axle goes and as it pitches, wheels
-    locked to it by a driveline that stands.
+    locked to it by a driveline that stands. Its stops are as far as from where it `stands`.
     """
     at_rest = through(spring_load(springs, axle_load), springs.loads, springs.deflections)
     force = housing / radius
@@ -885,8 +887,8 @@ def squat(springs, ahead, rise, axle_load, moved, housing, radius):
         at_ground = force * (-slope + ahead * radius * turn)
         return moved + at_ground - taken
 
-    low = min(springs.full_rebound - at_rest, 0.0)
-    high = max(springs.jounce - at_rest, 0.0)
+    low = min(springs.full_rebound - stands, 0.0)
+    high = max(springs.jounce - stands, 0.0)
     for _ in range(80):
         middle = (low + high) / 2
         low, high = (middle, high) if left(middle) > 0 else (low, middle)

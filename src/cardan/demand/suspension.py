@@ -115,8 +115,8 @@ def deflection(
         Springs, unsprung mass, and where check strap or bump stop act.
     state
         Full rebound: the axle hangs on the springs, or as far down as
-        rebound at least. Rebound: spring free, and one inch more. Jounce: the end of the
-        spring's table, metal to metal. Curb, empty, gvw, overload: under the axle's load.
+        rebound at least. Rebound: spring free, and one inch more. Jounce: the bump stop, or
+        the end of the spring's table, metal to metal. Curb, empty, gvw, overload: under the axle's load.
         Wind-up: as high as its load state has it.
     axle_load : (...) N
         Load of the axle on the ground (overload included); unused in `AT_LIMIT` states.
@@ -124,7 +124,7 @@ def deflection(
     Raises
     ------
     DesignError
-        If the state needs an axle load that is not known (nan).
+        If the state needs an axle load that is not known (nan), or a stop that nobody tells.
 
     Notes
     -----
@@ -132,8 +132,10 @@ def deflection(
     """
     spring = suspension.spring
     if state == "jounce":
-        given = suspension.jounce_deflection
-        return np.asarray(spring.deflection[-1] if given is None else given)
+        if (stop := _bump_stop(suspension)) is None:
+            msg = "state jounce needs jounce_deflection: a spring given by rates has no end"
+            raise DesignError(msg)
+        return stop
     if state in AT_LIMIT:
         inch_more = spring_deflection(spring, 0.0) - inch
         hanging = spring_deflection(spring, carried(suspension, 0.0))
@@ -144,6 +146,14 @@ def deflection(
         msg = f"suspension state {state} needs the axle's load: give the vehicle a load state"
         raise DesignError(msg)
     return spring_deflection(spring, carried(suspension, axle_load))
+
+
+def _bump_stop(suspension: Suspension) -> FloatArray | None:
+    """Return the deflection, (...) m, at which springs stop; None where nobody tells."""
+    given, spring = suspension.jounce_deflection, suspension.spring
+    if given is None and not spring.ends:
+        return None
+    return np.asarray(spring.deflection[-1] if given is None else given)
 
 
 def tyre_load(suspension: Suspension, state: SuspensionState) -> FloatArray:
@@ -261,7 +271,7 @@ def squat(
 
     Notes
     -----
-    Quasi-static. The gears lock the wheels to the housing while the driveline stands still, so
+    Quasi-static. Whoever stands past the end of his table has no stop there. The gears lock the wheels to the housing while the driveline stands still, so
     F works where the tyre meets the ground: as F at the wheel's centre and M = F r. Between the
     stops; a state whose load is beyond one stays there. Derived by virtual work; load transfer
     as in Gillespie, Fundamentals of Vehicle Dynamics (1992), ch. 7 (anti-squat).
@@ -273,7 +283,10 @@ def squat(
     start = spring_deflection(suspension.spring, borne)
     there = np.where(np.isnan(stands), start, stands)
     lowest = np.minimum(deflection(suspension, "full rebound") - there, 0.0)
-    highest = np.maximum(deflection(suspension, "jounce") - there, 0.0)
+    highest, stop = np.inf, _bump_stop(suspension)
+    if stop is not None:
+        past = (there > stop) & (suspension.jounce_deflection is None)
+        highest = np.where(past, np.inf, np.maximum(stop - there, 0.0))
     gone = np.zeros(np.broadcast_shapes(z0.shape, start.shape, *map(np.shape, (moved, pulls))))
     for _ in range(SETTLING):
         dx, pitch = _path_slopes(suspension.linkage, z0 + gone)

@@ -590,12 +590,14 @@ def _stops(name: str, sign: int) -> Callable[[Application], Found]:
             if not (line.suspension and line.reference):
                 continue
             at, suspension = line.suspension
-            stop: float | None = getattr(suspension, f"{name}_deflection")
+            key, stop = f"{at}.{name}_deflection", getattr(suspension, f"{name}_deflection")
+            if stop is None and name == "jounce" and suspension.spring.ends:
+                key, stop = f"{at}.spring.deflection", suspension.spring.deflection[-1]
             load = float(line.reference.axle_load[0])
             with suppress(DesignError):
                 rest = deflection(suspension, suspension.reference, axle_load=load)
                 if stop is not None and suspension.reference not in (name, "rebound"):
-                    yield (f"{at}.{name}_deflection",), 1e3 * sign * (stop - float(rest))
+                    yield (key,), 1e3 * sign * (stop - float(rest))
 
     return of
 

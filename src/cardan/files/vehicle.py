@@ -362,7 +362,9 @@ class SpringTable(Table):
             self.at("contact" if self.has("contact") else "rates").refuse(message)
         first = 0.1 if self.contact is None else self.contact
         second = first * rates[0] + first * rates[-1]
-        return Spring(load=(0.0, first * rates[0], second), deflection=(0.0, first, 2 * first))
+        return Spring(
+            load=(0.0, first * rates[0], second), deflection=(0.0, first, 2 * first), ends=False
+        )
 
     def _from_table(self, load: tuple[float, ...]) -> Spring:
         if self.has("contact"):

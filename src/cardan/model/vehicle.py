@@ -281,12 +281,14 @@ class Spring:
     """A spring as a table of load over deflection, joined by straight lines.
 
     Beyond its ends it goes on with its outer slopes. The stated rates, if any, are only
-    compared: the table is the truth.
+    compared: the table is the truth. It `ends` where it is metal to metal; one that stands for
+    rates does not.
     """
 
     load: tuple[Newton, ...]
     deflection: tuple[Metre, ...]
     stated_rates: tuple[float, ...] = ()
+    ends: bool = True
 
     def __post_init__(self) -> None:
         if len(self.load) != len(self.deflection) or len(self.load) < 2:
