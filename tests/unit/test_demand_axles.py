@@ -159,3 +159,19 @@ def test_a_grade_takes_grip_but_does_not_move_the_axle():
     one, two = (line_loads(v, LADEN, friction=0.8) for v in (flat, replace(flat, grade=0.2)))
     assert two.axle == one.axle
     assert two.traction == pytest.approx(one.traction * np.cos(0.2), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("load", "behind", "said"),
+    [(6e3 * g, 6.15, "the rear axles would bear"), (12e3 * g, 0.1, "the front axles would bear")],
+)
+def test_an_axle_that_would_have_to_be_pulled_down_is_refused(load, behind, said):
+    """By moments: 9 t at 2.2 m of 4.8 and 6 t at 6.15 leave the rear 9·2.2 − 6·6.15 < 0."""
+    lifted = AuxiliaryAxle(load=load, behind_front=behind)
+    vehicle = Vehicle(drive="6x2", wheelbase=4.8, auxiliary=(lifted,))
+    light = LoadState(name="empty", mass=9e3, cg_behind_front=2.2)
+    rear = (9e3 * g * 2.2 - load * behind) / 4.8
+    borne = rear if "rear" in said else 9e3 * g - load - rear
+    with pytest.raises(DesignError, match=rf"{said} {borne:.0f} N"):
+        axle_loads(vehicle, light)
+    assert axle_loads(vehicle, replace(light, auxiliary_lifted=True)).rear > 0

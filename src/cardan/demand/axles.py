@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray, floats, stacked
-from cardan.base.errors import DesignError
+from cardan.base.errors import DesignError, failing
 from cardan.base.frozen import dataclass
 from cardan.base.units import g
 from cardan.model.vehicle import Drives, LoadState, Vehicle
@@ -66,6 +66,11 @@ def axle_loads(vehicle: Vehicle, load: LoadState, *, grade: ArrayLike = 0.0) -> 
         Slope α, up positive. The slope's own part, W sin α, acts along the ground: the
         tyres' force holds it, and `under_force` and `at_slip` move load for all of that.
 
+    Raises
+    ------
+    DesignError
+        If a group of axles would have to be pulled down.
+
     Notes
     -----
     Source: Gillespie, Fundamentals of Vehicle Dynamics (1992), ch. 1.
@@ -88,6 +93,19 @@ def axle_loads(vehicle: Vehicle, load: LoadState, *, grade: ArrayLike = 0.0) -> 
     # On a slope what weight there is shrinks by cos α, but not what air holds.
     rear = (rear + levered) * np.cos(grade) - levered
     front = weight * np.cos(grade) - auxiliary.sum(-1) - rear
+    nothing = -1e-9 * np.abs(weight)
+    if wrong := failing(rear >= nothing, rear):
+        msg = (
+            f"the rear axles would bear {wrong[0]:.0f} N: the centre of gravity, or what "
+            "auxiliary axles bear, lifts them"
+        )
+        raise DesignError(msg)
+    if wrong := failing(front >= nothing, front):
+        msg = (
+            f"the front axles would bear {wrong[0]:.0f} N: the centre of gravity, or what "
+            "auxiliary axles bear, lifts them"
+        )
+        raise DesignError(msg)
     return AxleLoads(front=np.asarray(front), rear=np.asarray(rear), auxiliary=auxiliary)
 
 

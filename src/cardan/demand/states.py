@@ -18,7 +18,7 @@ from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, apart, stacked
 from cardan.base.errors import DesignError, about
 from cardan.base.frozen import dataclass
 from cardan.base.units import Metre, g
-from cardan.demand.axles import LineLoads, axle_by_axle, driven_axles, line_loads
+from cardan.demand.axles import LineLoads, axle_by_axle, axle_loads, driven_axles, line_loads
 from cardan.demand.line import Loading, ResolvedLine, height, resolve
 from cardan.demand.motion import Ride, moved
 from cardan.demand.suspension import (
@@ -493,6 +493,8 @@ def _line_loads(line: ResolvedLine, loading: Loading) -> LineLoads:
     """Return the loads that a line feels under a loading, (...) N; nan where none is given."""
     if line.vehicle is None or loading.load is None:
         return LineLoads(**dict.fromkeys((f.name for f in fields(LineLoads)), np.asarray(np.nan)))
+    with about(f"vehicle.loads.{loading.load.name}"):
+        axle_loads(line.vehicle, loading.load)  # refuses what cannot stand
     with about(f"drivelines.{line.line.name}"):
         return line_loads(
             line.vehicle,

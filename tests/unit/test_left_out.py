@@ -1,0 +1,72 @@
+"""What a file leaves out, and an answer is the better for, is said: key by key, one at a time."""
+
+import copy
+from pathlib import Path
+
+import pytest
+import yaml
+
+from cardan import files
+from cardan.study.approval import assess
+
+TRUCK = yaml.safe_load(
+    (Path(__file__).parents[2] / "examples/medium-truck-4x2.yaml").read_text("utf-8")
+)
+SHAFTS = ("driveline", "shafts")
+LACKING = {
+    "nothing slides in the last shaft": [(*SHAFTS, 1, "spline")],
+    "is taken to slide freely": [(*SHAFTS, 1, "spline", "mean_radius_mm")],
+    "the yokes of line main weigh nothing": [(*SHAFTS, k, "yoke_mass_kg") for k in (0, 1)],
+    "does not move the axle of line main: suspension would say": [("suspension",)],
+    "does not move the axle of line main: axle would say": [("axle",)],
+    "does not wind up the axle": [("suspension", "windup_stiffness_kNm_deg")],
+    "carry all of the axle's load": [("suspension", "unsprung_mass_kg")],
+    "nothing stops the axle": [("suspension", "jounce_deflection_mm")],
+    "rises straight up": [("suspension", "linkage")],
+    "is taken at the wheel's centre": [("axle", "pinion")],
+    "pull in gvw: tyre would say": [("tyre",)],
+    "braking is not asked": [("suspension", "brake_torque_Nm")],
+    "backing is not asked": [("gearbox", "reverse_ratio")],
+}
+
+
+def noted(change) -> list[str]:
+    table = copy.deepcopy(TRUCK)
+    table["states"] = ["gvw"]
+    change(table)
+    return [str(note) for note in assess(files.loads(yaml.safe_dump(table))).noted]
+
+
+def drop(table, *path):
+    *way, last = path
+    for key in way:
+        table = table[key]
+    table.pop(last)
+
+
+def test_of_a_whole_file_nothing_is():
+    notes = noted(lambda _: None)
+    for said in LACKING:
+        assert not any(said in note for note in notes), said
+
+
+@pytest.mark.parametrize("said", LACKING)
+def test_what_is_left_out_is_told(said):
+    notes = noted(lambda table: [drop(table, *path) for path in LACKING[said]])
+    assert [note for note in notes if said in note] != []
+
+
+def test_a_sliding_fit_ahead_of_the_last_shaft_is_told():
+    def moved(table):
+        front, rear = table["driveline"]["shafts"]
+        front["spline"] = rear.pop("spline")
+
+    notes = noted(moved)
+    assert any("a spline ahead of the last shaft of line main" in note for note in notes)
+    assert any("nothing slides in the last shaft of line main" in note for note in notes)
+
+
+def test_a_joint_that_plunges_needs_no_spline():
+    pick_up = files.read(Path(__file__).parents[2] / "examples/pick-up-4x4.yaml")
+    assert pick_up.lines[0].line.shafts[-1].spline is None
+    assert not any("nothing slides" in str(note) for note in assess(pick_up).noted)
