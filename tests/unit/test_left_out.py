@@ -70,3 +70,53 @@ def test_a_joint_that_plunges_needs_no_spline():
     pick_up = files.read(Path(__file__).parents[2] / "examples/pick-up-4x4.yaml")
     assert pick_up.lines[0].line.shafts[-1].spline is None
     assert not any("nothing slides" in str(note) for note in assess(pick_up).noted)
+
+
+def test_rubber_on_which_a_joint_locks_is_told_and_all_else_is():
+    """Hung far ahead of its joint a shaft is a lever of fifteen: it was an error, of no place."""
+    bearing = {"from_rear_joint_mm": 800, "vertical_stiffness_N_mm": 100,
+               "lateral_stiffness_N_mm": 100}  # fmt: skip
+
+    def soft(table):
+        table["driveline"]["shafts"][0]["centre_bearing"] = bearing
+
+    assert any("a joint of line main locks: the rubber is too soft" in n for n in noted(soft))
+
+
+@pytest.mark.parametrize(
+    ("states", "verdict"), [(["gvw"], "incomplete"), (["gvw", "jounce"], "fail")]
+)
+def test_a_limit_that_is_required_of_states_that_are_not_there_has_no_answer(states, verdict):
+    """At the stops the bearing carries 2540 N: without them nobody knows, and nothing passes."""
+    table = copy.deepcopy(TRUCK)
+    required = {"quantity": "centre_bearing_dynamic", "maximum": 1000, "states": ["stops"],
+                "required": True, "source": "us"}  # fmt: skip
+    wide = {"quantity": "joint_angle", "maximum": 20, "source": "us"}
+    table["states"], table["limits"] = states, [wide, required]
+    found = assess(files.loads(yaml.safe_dump(table)))
+    assert found.verdict == verdict
+    asks = [u for u in found.coverage.unanswered if u.quantity == "centre_bearing_dynamic"]
+    assert [u.needs for u in asks] == (
+        [("states: full rebound / rebound / jounce",)] if verdict == "incomplete" else []
+    )
+    # What is not required may go unasked.
+    table["limits"] = [wide, {**required, "required": False}]
+    again = assess(files.loads(yaml.safe_dump(table)))
+    assert again.coverage.missed == ()
+
+
+@pytest.mark.parametrize(
+    ("states", "told"),
+    [
+        (["gvw"], ""),
+        (["gvw", {"name": "kerb", "kind": "gvw", "travel_mm": 120}], "kerb"),
+        (["gvw", {"name": "hole", "travel_mm": -400}], "hole"),
+        (["jounce", "full rebound", "windup"], ""),
+    ],
+)
+def test_an_axle_beyond_its_stops_is_told(states, told):
+    """The truck's are at 49 mm over gvw and 151 under it."""
+    notes = noted(lambda table: table.update(states=states))
+    found = [n for n in notes if "beyond its strap or bump stop" in n]
+    assert found == ([] if not told else [n for n in notes if f"bump stop in {told}, which" in n])
+    assert len(found) == bool(told)

@@ -297,3 +297,18 @@ def test_a_drive_carries_what_each_instants_torque_makes_of_the_axle():
     small = Driven(time=time, turned=speed * time, torque=0 * time + 1, speed=0 * time + speed)
     weight, _ = driven(r, small, state=k)  # and no thrust of another torque
     assert weight[-1] < 0.2 * point
+
+
+def test_a_rocked_bogie_stops_at_its_bump_stop():
+    """A kerb takes 40 of the 42.8 mm that are left: first gear took it 38 mm past the stop."""
+    tandem = files.read(EXAMPLES / "tandem-6x4.yaml")
+    of = asked(tandem)
+    k = of.states.index("bogie crossed")
+    stop = of.travel[of.states.index("jounce")]
+    found = demand_under(of, torque=np.full((1, len(of.states)), 14_550.0), speed=0.0)
+    assert of.travel[k] == pytest.approx(40 * mm)
+    assert found.travel[0, k] == pytest.approx(stop, abs=1e-9)
+    placed = replace(tandem, states=(*tandem.states, State(name="t", kind="gvw", travel=40 * mm)))
+    again = asked(placed)
+    there = demand_under(again, torque=np.full((1, len(again.states)), 14_550.0), speed=0.0)
+    assert there.travel[0, -1] == pytest.approx(found.travel[0, k], abs=1e-9)

@@ -72,7 +72,7 @@ class Standing:
     ride : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
         Where the springs have the axle.
     stands : (..., S) m
-        Deflection of its springs where somebody holds it; nan where its load has it.
+        Deflection of its springs; nan where nobody knows it.
     yields : (S,)
         Where torque winds it up: the suspension places it, and nobody gives its pitch.
     squats : (S,)
@@ -267,7 +267,8 @@ def demand(line: ResolvedLine) -> Demand:
     travel = _travel(line, axle_loads)
     loads = _at_limits(line, _of_states(each[loading.key] for loading in line.loadings))
     torques = _torques(line, loads)
-    standing = _standing(line, travel, loads, stands=_stands(line, axle_loads))
+    stands = _stands(line, travel, reference=axle_loads[line.reference_loading.key])
+    standing = _standing(line, travel, loads, stands=stands)
     ride = _own_windup(standing, torques["torque"])
     given, installed = _given(line), line.installed
     asked = torques | {
@@ -668,17 +669,15 @@ def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray])
     return _by_state(risen) + _by_state(rocked)
 
 
-def _stands(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray]) -> FloatArray:
-    """Deflection of the axle's springs where states give its travel, (..., S) m; else nan.
+def _stands(line: ResolvedLine, travel: FloatArray, *, reference: FloatArray) -> FloatArray:
+    """Deflection of the axle's springs that has risen to (..., S) m, whatever its load.
 
-    One of no kind has it where the reference does, whatever its load.
+    nan where nobody knows it in the reference state, by the load there, N.
     """
-    suspension, load = line.suspension, axle_loads[line.reference_loading.key]
-    given = _by_state(0.0 if s.travel is None and s.kind is None else s.travel for s in line.states)
-    known = ~np.isnan(load).any() or (suspension and suspension.reference in AT_LIMIT)
-    if suspension is None or not known or np.isnan(given).all():
-        return np.full_like(given, np.nan)
-    return given + deflection(suspension, suspension.reference, axle_load=load)
+    suspension = line.suspension
+    if suspension is None or (suspension.reference not in AT_LIMIT and np.isnan(reference).any()):
+        return np.full_like(travel, np.nan)
+    return travel + deflection(suspension, suspension.reference, axle_load=reference)
 
 
 def _rocked(line: ResolvedLine) -> Iterator[Metre]:

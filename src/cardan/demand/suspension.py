@@ -9,7 +9,7 @@ from math import nan
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray, stacked
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray, stacked
 from cardan.base.errors import DesignError, failing
 from cardan.base.units import g, inch, mm
 from cardan.model.vehicle import Linkage, Spring, Suspension, SuspensionState
@@ -23,6 +23,9 @@ OVERLOAD = 1.1
 SETTLING = 14
 """Steps in which an axle finds where its springs hold what pulls: of a link of 0.5 m on leaf
 springs each is a fifth of the last, and the last one 1e-12 m."""
+
+STANDS = 0.5 * mm
+"""How far past a stop a height counts as on it."""
 
 AT_LIMIT = ("full rebound", "rebound", "jounce")
 """States in which the spring's travel, not the axle's load, says where the axle is."""
@@ -116,8 +119,8 @@ def deflection(
     state
         Full rebound: the axle hangs on the springs, or as far down as
         rebound at least. Rebound: spring free, and one inch more. Jounce: the bump stop, or
-        the end of the spring's table, metal to metal. Curb, empty, gvw, overload: under the axle's load.
-        Wind-up: as high as its load state has it.
+        the end of the spring's table, metal to metal. Curb, empty, gvw, overload: under the
+        axle's load. Wind-up: as high as its load state has it.
     axle_load : (...) N
         Load of the axle on the ground (overload included); unused in `AT_LIMIT` states.
 
@@ -154,6 +157,14 @@ def _bump_stop(suspension: Suspension) -> FloatArray | None:
     if given is None and not spring.ends:
         return None
     return np.asarray(spring.deflection[-1] if given is None else given)
+
+
+def beyond_stops(suspension: Suspension, stands: FloatArray) -> BoolArray:
+    """Return where springs deflected by (...) m stand beyond check strap or bump stop."""
+    stop, strap = _bump_stop(suspension), suspension.full_rebound_deflection
+    most = np.inf if stop is None else stop + STANDS
+    least = -np.inf if strap is None else strap - STANDS
+    return (stands > most) | (stands < least)
 
 
 def tyre_load(suspension: Suspension, state: SuspensionState) -> FloatArray:
@@ -267,14 +278,15 @@ def squat(
     ahead
         -1 of a pinion that faces rearward: its nose sinks where others rise.
     stands : (...) m
-        Deflection of its springs there, where that is not what its load says; else nan.
+        Deflection of its springs there, which need not be what its load says; nan if nobody knows.
 
     Notes
     -----
-    Quasi-static. Whoever stands past the end of his table has no stop there. The gears lock the wheels to the housing while the driveline stands still, so
+    Quasi-static. The gears lock the wheels to the housing while the driveline stands still, so
     F works where the tyre meets the ground: as F at the wheel's centre and M = F r. Between the
-    stops; a state whose load is beyond one stays there. Derived by virtual work; load transfer
-    as in Gillespie, Fundamentals of Vehicle Dynamics (1992), ch. 7 (anti-squat).
+    stops; a state whose load is beyond one stays there, but one past the end of its spring's
+    table has none. Derived by virtual work; load transfer as in Gillespie, Fundamentals of Vehicle
+    Dynamics (1992), ch. 7 (anti-squat).
     """
     z0, at_rest = np.asarray(travel, dtype=float), np.asarray(axle_load, dtype=float)
     each = suspension.springs_per_axle

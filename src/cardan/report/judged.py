@@ -210,8 +210,7 @@ class Judged:
 
         if limit.band:
             within = "*".join((*number, _within(values, limit, row)))
-            inside = f"SUMPRODUCT({within})>0"
-            fails, warns = (inside, "FALSE") if limit.maximum is not None else ("FALSE", inside)
+            fails, warns = "FALSE", f"SUMPRODUCT({within})>0"
         else:
             fails, warns = past(f"$D{row}"), past(f"$C{row}")
         count = (

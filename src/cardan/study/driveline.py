@@ -9,7 +9,7 @@ from cardan.base.frozen import dataclass
 from cardan.base.part import Mode, Occasion, Part
 from cardan.base.verdict import EQUAL, Check, Limit, Unanswered
 from cardan.demand.states import demand, resolve
-from cardan.model.application import Application
+from cardan.model.application import STATE_KINDS, Application
 from cardan.quantity.declared import Quantity
 from cardan.quantity.points import Spots
 from cardan.quantity.quantities import ANSWERED
@@ -63,7 +63,8 @@ class Asked:
     where it does not ask, or nothing answers. `may` (states, parts) tells where it would ask
     at other angles, speeds and torques: it looks at the kinds of states and joints alone.
     Values are the worst of all operating points where the limit asks at those, `spots` says
-    at which, and `own` are those at the state's own torque and speed.
+    at which, and `own` are those at the state's own torque and speed. One that is required of
+    kinds of state that are not there asks the first, and has no answer.
     """
 
     limit: Limit
@@ -108,9 +109,12 @@ def asked(response: Response, *, quantities: Container[str] = ANSWERED) -> Itera
         for limit, may, does in each:
             values, spots = _worst(limit, known, spread)
             spots = quantity.sought(response) if quantity.sought else spots
+            there = True
+            if limit.required and not _of_kinds(limit.states, response).any():
+                may, does, there = np.arange(len(kinds))[:, None] == 0, True, False
             may = np.broadcast_to(may, values.shape[-2:])
             asks = np.broadcast_to(may & does, values.shape)
-            answers, at_own = (np.where(asks, v, np.nan) for v in (values, known))
+            answers, at_own = (np.where(asks & there, v, np.nan) for v in (values, known))
             yield Asked(
                 limit=limit, parts=parts, asks=asks, may=may, values=answers, own=at_own,
                 spots=spots,
@@ -243,6 +247,9 @@ def _silence(response: Response, question: Asked) -> Iterator[Unanswered]:
 
 def needs_of(response: Response, question: Asked, state: int, part: int) -> Iterator[str]:
     """Yield what an application would have to give for an answer."""
+    wanted = question.limit.states
+    if wanted is not None and not _of_kinds(wanted, response).any():
+        yield f"states: {' / '.join(k for k in STATE_KINDS if k in wanted)}"
     shape = question.values.shape
     for need in ANSWERED[question.limit.quantity].needs:
         met = np.broadcast_to(need.met(response), shape)[state, part]

@@ -5,10 +5,11 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 
 from cardan.base.arrays import BoolArray, FloatArray
+from cardan.base.errors import DesignError
 from cardan.base.said import Said, said
 from cardan.base.units import mm
 from cardan.base.verdict import EQUAL, GRADES
-from cardan.demand.suspension import spring_load, table_rates
+from cardan.demand.suspension import beyond_stops, spring_load, table_rates
 from cardan.loads.rubber import LOSS
 from cardan.model.application import Application
 from cardan.model.vehicle import Linkage, Spring
@@ -173,7 +174,15 @@ def _set_down(responses: Iterable[Response]) -> Iterator[Said]:
     for r in responses:
         if r.layout.points.ndim > 3:
             continue
-        both = (asked(of, quantities=OF_ANGLES) for of in (r, points.settled(r)))
+        try:
+            both = [[*asked(of, quantities=OF_ANGLES)] for of in (r, points.settled(r))]
+        except DesignError:  # as it hangs it does not, or nobody had come here
+            yield said(
+                "with the bearings where torque moves them on their rubber a joint of line {line} "
+                "locks: the rubber is too soft for it, or too far from its joint",
+                line=r.line.name,
+            )
+            continue
         for hung, given in zip(*both, strict=True):
             (before, _), (after, left) = (hung.limit.judged(one.values) for one in (hung, given))
             turned = (before != after) & ~np.isnan(hung.values) & ~np.isnan(given.values)
@@ -261,85 +270,108 @@ def _left_out(responses: Iterable[Response]) -> Iterator[Said]:
     for r in responses:
         if np.isnan(r.demand.torque).all() or r.layout.points.ndim > 3:
             continue
-        yield from (note for so, note in (*_of_shafts(r), *_of_the_axle(r)) if so)
+        yield from _of_shafts(r)
+        yield from _of_the_axle(r)
 
 
-def _of_shafts(r: Response) -> Iterator[tuple[bool, Said]]:
-    """Yield what a file may leave out of shafts that hang in bearings, and what it makes."""
+def _of_shafts(r: Response) -> Iterator[Said]:
+    """Yield what a file leaves out of shafts that hang in bearings, and what that makes."""
     name, (*ahead, last) = r.line.name, r.line.shafts
     if not r.line.centre_bearings:
         return
     plunges = any(size is not None and size.plunge is not None for size in r.sizes[-2:])
-    yield last.spline is None and not plunges, said(
-        "nothing slides in the last shaft of line {line}: its spline would say what thrust the "
-        "centre bearings carry",
-        line=name,
-    )
-    yield last.spline is not None and last.spline.mean_radius is None, said(
-        "the spline of line {line} is taken to slide freely: mean_radius_mm would say its thrust",
-        line=name,
-    )
-    yield any(shaft.spline for shaft in ahead), said(
-        "a spline ahead of the last shaft of line {line} counts by its mass alone: thrust and "
-        "stroke are those of the last",
-        line=name,
-    )
-    yield r.held is not None and all(np.all(np.equal(s.yoke_mass, 0)) for s in r.line.shafts), said(
-        "the yokes of line {line} weigh nothing: yoke_mass_kg would say what shakes with its tubes",
-        line=name,
-    )
+    if last.spline is None and not plunges:
+        yield said(
+            "nothing slides in the last shaft of line {line}: its spline would say what thrust the"
+            " centre bearings carry",
+            line=name,
+        )
+    if last.spline is not None and last.spline.mean_radius is None:
+        yield said(
+            "the spline of line {line} is taken to slide freely: mean_radius_mm would say its "
+            "thrust",
+            line=name,
+        )
+    if any(shaft.spline for shaft in ahead):
+        yield said(
+            "a spline ahead of the last shaft of line {line} counts by its mass alone: thrust and "
+            "stroke are those of the last",
+            line=name,
+        )
+    light = all(np.all(np.equal(shaft.yoke_mass, 0)) for shaft in r.line.shafts)
+    if r.held is not None and light:
+        yield said(
+            "the yokes of line {line} weigh nothing: yoke_mass_kg would say what shakes with its "
+            "tubes",
+            line=name,
+        )
 
 
-def _of_the_axle(r: Response) -> Iterator[tuple[bool, Said]]:
-    """Yield what a file may leave out of an axle that torque moves, and what it makes."""
+def _of_the_axle(r: Response) -> Iterator[Said]:
+    """Yield what a file leaves out of an axle that torque moves, and what that makes."""
     name, of, line = r.line.name, r.demand.standing, r.demand.standing.line
     springs, axle = line.suspension, line.axle
     if line.installed.drives == "all" or (springs is None and axle is None and not line.vehicle):
         return
     if springs is None or axle is None:
-        yield True, said(
+        yield said(
             "torque does not move the axle of line {line}: {missing} would say how far",
             line=name,
             missing="suspension" if springs is None else "axle",
         )
         return
     laid = np.array([own is not None for own in line.own])
-    yield bool(laid.any()) and (springs.squats or springs.windup_stiffness is not None), said(
-        "line {line} runs in {states} as these say, whatever its torque: it does not move the axle "
-        "there",
-        line=name,
-        states=_where(r, laid),
-    )
+    if laid.any() and (springs.squats or springs.windup_stiffness is not None):
+        yield said(
+            "line {line} runs in {states} as these say, whatever its torque: it does not move the "
+            "axle there",
+            line=name,
+            states=_where(r, laid),
+        )
     if not line.free.any():
         return
-    yield springs.windup_stiffness is None, said(
-        "torque does not wind up the axle of line {line}: windup_stiffness would say how far",
-        line=name,
-    )
-    yield bool(np.all(np.equal(springs.unsprung_mass, 0))), said(
-        "the springs of line {line} carry all of the axle's load: unsprung_mass_kg would say what "
-        "they do not",
-        line=name,
-    )
-    stop = springs.jounce_deflection is not None or springs.spring.ends
-    yield bool(of.squats.any()) and not stop, said(
-        "nothing stops the axle of line {line} as it rises: jounce_deflection_mm would say where "
-        "its bump stop is",
-        line=name,
-    )
-    yield springs.linkage == Linkage(), said(
-        "the axle of line {line} rises straight up: linkage would say what guides it", line=name
-    )
-    yield bool(np.all(np.equal(axle.pinion_joint, 0))), said(
-        "the last joint of line {line} is taken at the wheel's centre: the axle's pinion would say "
-        "where it is",
-        line=name,
-    )
+    if springs.windup_stiffness is None:
+        yield said(
+            "torque does not wind up the axle of line {line}: windup_stiffness would say how far",
+            line=name,
+        )
+    if np.all(springs.unsprung_mass == 0):
+        yield said(
+            "the springs of line {line} carry all of the axle's load: unsprung_mass_kg would say "
+            "what they do not",
+            line=name,
+        )
+    if springs.linkage == Linkage():
+        yield said(
+            "the axle of line {line} rises straight up: linkage would say what guides it",
+            line=name,
+        )
+    if np.all(np.equal(axle.pinion_joint, 0)):
+        yield said(
+            "the last joint of line {line} is taken at the wheel's centre: the axle's pinion would"
+            " say where it is",
+            line=name,
+        )
+    if of.squats.any() and springs.jounce_deflection is None and not springs.spring.ends:
+        yield said(
+            "nothing stops the axle of line {line} as it rises: jounce_deflection_mm would say "
+            "where its bump stop is",
+            line=name,
+        )
+    past = line.free & line.rests & beyond_stops(springs, of.stands)
+    if past.any():
+        yield said(
+            "the axle of line {line} stands beyond its strap or bump stop in {states}, which "
+            "should not let it",
+            line=name,
+            states=_where(r, past),
+        )
     unknown = line.free & line.rests & ~(of.squats & np.isfinite(of.loads.lever))
-    yield springs.squats and bool(unknown.any()), said(
-        "the axle of line {line} is not moved on its springs by what its tyres pull in {states}: "
-        "{missing} would say how far",
-        line=name,
-        states=_where(r, unknown),
-        missing="tyre" if line.tyre is None else "cg_height_mm",
-    )
+    if springs.squats and unknown.any():
+        yield said(
+            "the axle of line {line} is not moved on its springs by what its tyres pull in "
+            "{states}: {missing} would say how far",
+            line=name,
+            states=_where(r, unknown),
+            missing="tyre" if line.tyre is None else "cg_height_mm",
+        )
