@@ -97,3 +97,23 @@ def test_a_low_range_multiplies_what_a_retarder_ahead_of_it_holds():
     engine = replace(ENGINE, brake_torque=250.0)
     wanted = [250 * i * low / 0.9 + 800 * low for low in (1.0, 1.5) for i in (6.0, 1.0)]
     np.testing.assert_allclose(brake_torques(engine, gearbox), wanted, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("governed", "speeds", "torques"),
+    [
+        (None, (100, 200, 300), (500, 600, 400)),
+        (360, (100, 200, 300, 360), (500, 600, 400, 0)),  # it droops straight to nothing
+        (250, (100, 200, 250, 250), (500, 600, 500, 500)),  # what lies beyond is not reached
+        (150, (100, 150, 150, 150), (500, 550, 550, 550)),
+        (50, (50, 50, 50, 50), (500, 500, 500, 500)),
+    ],
+)
+def test_full_load_ends_at_governed_speed(governed, speeds, torques):
+    engine = Engine(speed=(100, 200, 300), torque=(500, 600, 400), governed=governed)
+    assert np.array(engine.full_load[0]) == pytest.approx(np.array(speeds))
+    assert np.array(engine.full_load[1]) == pytest.approx(np.array(torques))
+    assert engine.peak == max(torques)
+    found = gears(engine, Gearbox(ratios=(4.0, 1.0)))
+    assert found.top_speed == max(speeds)
+    assert found.peak == pytest.approx([4 * max(torques), max(torques)])

@@ -368,3 +368,44 @@ def test_a_torque_may_jump_at_a_speed():
     asked = np.array([0.0, 5.0, 7.0, 10.0, 15.0, 20.0, 21.0, -1.0])
     told = found.torque_at(asked[:, None, None])[:, 0, 0]
     np.testing.assert_allclose(told, [95, 95, 93, 60, 55, 50, np.nan, np.nan], rtol=1e-14)
+
+
+def test_a_speed_that_is_said_is_asked_though_no_gear_drives_it_there():
+    """Downhill: the brake holds in the fastest gear, full load falls off; backing has no hills."""
+    top = float(TRUCK.engine.speed[-1]) / min(TRUCK.gearbox.ratios)
+    said = 1.2 * top
+    of = asked(replace(TRUCK, speed=said, states=(State(name="gvw", kind="gvw"),)))
+    found = curves(of)
+    fast = {
+        (d, g): float(end) / top
+        for d, g, end in zip(found.directions, found.gears, found.fastest[:, 0], strict=True)
+    }
+    last = f"{len(TRUCK.gearbox.ratios)}"
+    assert [k for k, end in fast.items() if end > 1] == [
+        (d, last) for d in ("drive", "coast", "brake") if (d, last) in fast
+    ]
+    assert fast["drive", last] == pytest.approx(1.2)
+    slow = asked(replace(TRUCK, speed=None, states=(State(name="gvw", kind="gvw"),)))
+    for direction, share in (("drive", 0.5), ("coast", 1.0)):
+        before, after = (torque(x, direction, last, top, "gvw") for x in (slow, of))
+        assert after == pytest.approx(before)
+        assert torque(of, direction, last, 1.1 * top, "gvw") == pytest.approx(share * before)
+    assert torque(of, "drive", last, said, "gvw") == pytest.approx(0, abs=1e-9)
+
+
+def test_a_governor_ends_the_line_s_speed():
+    """As a curve carried on to nothing there, in every number."""
+    top = 1.15 * float(TRUCK.engine.speed[-1])
+    engine = replace(TRUCK.engine, governed=top)
+    carried = replace(
+        TRUCK.engine, speed=(*TRUCK.engine.speed, top), torque=(*TRUCK.engine.torque, 0.0)
+    )
+    one, other = (asked(replace(TRUCK, speed=None, engine=e)) for e in (engine, carried))
+    k = one.states.index("gvw")
+    assert one.speed[k] == pytest.approx(top / min(TRUCK.gearbox.ratios))
+    np.testing.assert_array_equal(one.speed, other.speed)
+    for a, b in (
+        (curves(one).speed, curves(other).speed),
+        (curves(one).torque, curves(other).torque),
+    ):
+        np.testing.assert_allclose(a, b)

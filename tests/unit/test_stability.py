@@ -567,6 +567,52 @@ def test_a_clutch_slips_at_what_its_file_says_it_holds():
     assert carries[600.0, 0.5] == pytest.approx(0.5 * max(given.engine.torque), rel=2e-3)
 
 
+def test_a_motor_fires_nothing_idles_not_and_starts_without_a_clutch():
+    """As one on a rigid clutch, from a crawl on; a motor that has a clutch keeps it."""
+    given = files.read(EXAMPLES / "medium-truck-4x2.yaml")
+    gearbox = replace(given.gearbox, ratios=(9.0,))
+    truck = replace(given, gearbox=gearbox)
+    moved = replace(truck, electric=True)
+    rigid = replace(truck, clutch=Clutch(stiffness=1e9, disc_inertia=1e-6, damping=0.0))
+    motor, stiff, geared = (
+        drivetrain(x) for x in (moved, rigid, replace(moved, clutch=Clutch(stiffness=2e4)))
+    )
+    assert (motor.starts_by, stiff.starts_by, geared.starts_by) == ("motor", "clutch", "clutch")
+    assert (motor.firing_torque, motor.cylinders, motor.idle) == (0.0, 0, 0.0)
+    first = slice(1, 5)
+    ours, theirs = (modes(p.closed.line).frequency[0, 2, first] for p in (motor, stiff))
+    assert ours == pytest.approx(
+        theirs, rel=1e-2
+    )  # shafts of engine and gearbox are as good as one
+    asked = tuple(demand(x) for x in motor.lines)
+    running = _Running(parts=motor, asked=asked)
+    ranges = running.closed_ranges[0]
+    assert ranges[0] == pytest.approx([0.01 * ranges[0, 1], 2500 * rpm / 9])
+    assert np.isnan(running.slipping_ranges).all()
+    begun = start(motor, asked, Launch())
+    assert np.isnan(begun.locked)
+    assert begun.shares["firing"] == 0
+    assert begun.torque == pytest.approx(850 * 9 * 0.95)
+    # At rest the motor stands: what it gives is there from the first instant, and no more.
+    assert not begun.travel.rate[0, 0].any()
+    with_one = start(geared, asked, Launch())
+    assert np.isfinite(with_one.locked)
+
+
+@pytest.mark.usefixtures("rolling")
+@pytest.mark.parametrize("example", ["tandem-6x4", "pick-up-4x4"])
+def test_the_order_of_a_file_s_lines_is_no_matter(example):
+    """The main line is the one that starts at the gearbox and has most of its torque."""
+    given = files.read(EXAMPLES / f"{example}.yaml")
+    one, other = (
+        stability(replace(given, lines=lines)) for lines in (given.lines, given.lines[::-1])
+    )
+    assert other.closed.powertrain.springs == one.closed.powertrain.springs
+    np.testing.assert_allclose(other.closed.modes.frequency, one.closed.modes.frequency, rtol=1e-9)
+    np.testing.assert_allclose(other.closed.torque, one.closed.torque, rtol=1e-9)
+    assert [of.line.name for of in other.lines] == [of.line.name for of in one.lines]
+
+
 def test_a_plane_line_backs_as_it_drives():
     """Where no torque winds the axle up and no load moves, reverse is a gear like any other."""
     given = files.read(EXAMPLES / "medium-truck-4x2.yaml")

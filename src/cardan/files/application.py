@@ -556,6 +556,7 @@ class ApplicationTable(Table):
             wheels=self.wheels,
             launches=self._launches(),
             variants=self._variants(lines),
+            electric=self.prime_mover == "electric",
             prime_mover_factor=PRIME_MOVERS[self.prime_mover],
             shock_factor=self.shock_factor,
             include_gravity="gravity" in self.include,

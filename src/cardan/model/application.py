@@ -300,6 +300,8 @@ class Application:
     launches: tuple[Launch, ...] = ()
     variants: Variants | None = None
     """What a study of the application's variants asks."""
+    electric: bool = False
+    """Whether a motor drives: nothing fires, and it turns from standstill on."""
     prime_mover_factor: float = 1.25
     shock_factor: float = 1.0
     include_gravity: bool = False

@@ -205,7 +205,7 @@ def start(
         msg = "a launch needs an engine, and a gear that the gearbox has"
         raise DesignError(msg, about="launch")
     gear, state = parts.gears.index(wanted.gear), _state(parts, asked[0], wanted)
-    converter = parts.converter
+    converter = parts.starts_by == "converter"
     powertrain = parts.slipping if converter else parts.closed
     losses = Losses.of(parts, powertrain)
     straight = line = losses.on(powertrain.line.case([gear], [state]))
@@ -243,7 +243,8 @@ def start(
     lost = np.append(losses.springs, losses.vehicle)
     tyres = [k for k, (_, p) in enumerate(springs) if p.kind == "tyres"]
     grip = lost[tyres] * _grips(parts, asked, state)
-    disc = None if converter else springs.index(("", Part("clutch disc")))
+    slips = parts.starts_by == "clutch"
+    disc = springs.index(("", Part("clutch disc"))) if slips else None
     held = (*([] if disc is None else [disc]), *tyres, road)
     damping = part_damping(stuck, found, slide=held[:-1])
 
@@ -276,7 +277,7 @@ def start(
     target = clutch_torque * stall * gain * powertrain.share
     bent = _bent(parts, asked, powertrain, straight, state, target)
     rate = np.zeros((B, n))
-    if not converter:
+    if slips:
         rate[:, 0] = turning / i
     lengths = {"tyres": float(powertrain.slip_length[state])}
     travel = launch(

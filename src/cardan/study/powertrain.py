@@ -7,7 +7,7 @@ the vehicle's class, and goes out with the answer as an `Assumption`; no part is
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -24,6 +24,8 @@ from cardan.model.application import Application, Surroundings
 from cardan.model.parts import Shaft
 from cardan.model.turning import Rotors
 from cardan.model.vehicle import Axle
+
+StartsBy: TypeAlias = Literal["clutch", "converter", "motor"]
 
 GRIP = 50.0
 """Stiffness of a closed clutch's friction over that of its damper: stiff, and not rigid."""
@@ -183,6 +185,8 @@ class Drivetrain:
     sense : 1
         -1 in reverse gears: all turns and is pushed the other way.
     states : S
+    lines
+        The main one first.
     vehicle_class
         Whose typical values stand in for what is not given.
     left_out
@@ -190,7 +194,9 @@ class Drivetrain:
     firing : (amplitude N m, cylinders, litres)
         Of the engine at full load.
     idle : rad/s
-        Of the engine.
+        Of the engine; a motor has none.
+    starts_by : clutch, converter or motor
+        What lets the vehicle start from rest; a motor does with nothing between.
     """
 
     application: Application
@@ -210,7 +216,7 @@ class Drivetrain:
     mass: FloatArray
     radius: float
     friction: float
-    converter: bool
+    starts_by: StartsBy
 
 
 def drivetrain(
@@ -239,7 +245,7 @@ def drivetrain(
     DesignError
         If a shaft has no tube, or a part is no part.
     """
-    lines = tuple(resolve(application, installed) for installed in application.lines)
+    lines = tuple(sorted((resolve(application, i) for i in application.lines), key=_main_first))
     mass = _masses(application, lines[0])
     known_mass = np.isfinite(mass)
     vehicle_class = _class(application, mass)
@@ -251,8 +257,9 @@ def drivetrain(
     engine = application.engine
     given_idle = engine.idle if engine else None
     peak = float(engine.peak) if engine else 0.0
+    burns = engine is not None and not application.electric
     firing = engine.firing_torque if engine else None
-    share = 0.0 if firing is not None or not engine else known.of(None, "engine.firing_torque")
+    share = known.of(None, "engine.firing_torque") if burns and firing is None else 0.0
     cylinders = engine.cylinders if engine else None
     return Drivetrain(
         application=application,
@@ -266,14 +273,20 @@ def drivetrain(
         vehicle_class=vehicle_class,
         left_out=tuple(made.left_out),
         firing_torque=firing if firing is not None else share * peak,
-        cylinders=round(known.of(cylinders, "engine.cylinders")) if engine else 0,
-        idle=known.of(given_idle, "engine.idle") if engine else 0.0,
+        cylinders=round(known.of(cylinders, "engine.cylinders")) if burns else 0,
+        idle=known.of(given_idle, "engine.idle") if burns else 0.0,
         mass=mass,
         radius=made.radius,
         friction=made.friction,
-        converter=made.converter,
+        starts_by=made.starts_by,
         assumed=tuple(known.assumed.values()),
     )
+
+
+def _main_first(line: ResolvedLine) -> tuple[bool, float, bool]:
+    """Order lines, however a file lists them: the main one starts at the gearbox and has most."""
+    installed = line.installed
+    return installed.output_joint is not None, -line.usual_share, installed.drives == "front"
 
 
 def _masses(application: Application, line: ResolvedLine) -> FloatArray:
@@ -331,9 +344,14 @@ class _Vehicle:
         self.left_out = [
             r.line.name for r in lines if abs(r.installed.speed_ratio / pace - 1) > 1e-9
         ]
-        self.converter = application.converter is not None or (
-            application.clutch is None and (application.gearbox or DIRECT).converter_ratio > 1
-        )
+        stall = (application.gearbox or DIRECT).converter_ratio
+        self.starts_by: StartsBy = (
+            "converter" if application.converter is not None
+            else "clutch" if application.clutch is not None
+            else "converter" if stall > 1
+            else "motor" if application.electric
+            else "clutch"
+        )  # fmt: skip
 
     def powertrain(self, *, closed: bool) -> Powertrain:
         """Return the vehicle with its clutch closed, or slipping: then the engine is cut off."""
@@ -366,11 +384,15 @@ class _Vehicle:
         torque = float(app.engine.peak) if app.engine else 0.0
         clutch, flywheel, converter = app.clutch, app.dual_mass_flywheel, app.converter
         turned = 0.0
+        pace2 = 1 / self.lines[0].installed.speed_ratio ** 2
+        stiffness = self.around.gearbox_stiffness
+        given = (stiffness,) if stiffness is not None else rotors.stiffness
+        spring = self._by_gear(given, "gearbox.stiffness") * pace2
         if closed:
             parts.freedoms.clear()
             behind = parts.freedom("", Part("engine"))
             engine = self._engine_inertia()
-            if self.converter:
+            if self.starts_by == "converter":
                 engine = engine + of(converter and converter.pump_inertia, "converter.pump_inertia")
             parts.rotor(engine * i2, {behind: 1.0})
             if flywheel is not None:
@@ -385,7 +407,10 @@ class _Vehicle:
             parts.freedom(*shaft)
         else:
             behind = None
-        if self.converter:
+        if self.starts_by == "motor":
+            if behind is not None:  # its shaft is the gearbox's
+                parts.spring(("", Part("engine")), GRIP * spring, {behind: 1.0, shaft: -1.0})
+        elif self.starts_by == "converter":
             lockup = of(converter and converter.lockup_stiffness, "clutch.stiffness")
             turned = of(converter and converter.turbine_inertia, "converter.turbine_inertia")
             if behind is not None:
@@ -408,11 +433,7 @@ class _Vehicle:
         inertia = of(rotors.input_inertia, "gearbox.input_inertia") + turned
         parts.rotor(inertia * i2, {shaft: 1.0})
         output = self._output(parts)
-        pace2 = 1 / self.lines[0].installed.speed_ratio ** 2
-        stiffness = self.around.gearbox_stiffness
-        given = (stiffness,) if stiffness is not None else rotors.stiffness
-        spring = self._by_gear(given, "gearbox.stiffness")
-        parts.spring(("", Part("gearbox")), spring * pace2,
+        parts.spring(("", Part("gearbox")), spring,
                      {shaft: 1.0} | {f: -v for f, v in output.items()}, loss=self.loss)  # fmt: skip
         inertia = self.around.gearbox_inertia
         given = (inertia,) if inertia is not None else rotors.output_inertia

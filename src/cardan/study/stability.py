@@ -49,6 +49,9 @@ Index: TypeAlias = tuple[IntArray, IntArray]
 ORDERS = (2, 4)
 """Orders of the turning that joints excite."""
 
+CRAWL = 0.01
+"""Share of its top speed from which on a line with a motor is asked."""
+
 SHOWN = 8
 """Modes that are told, at most: higher ones no speed of a vehicle meets."""
 
@@ -344,11 +347,11 @@ class _Running:
 
     @cached_property
     def closed_ranges(self) -> FloatArray:
-        """Speeds with the clutch closed, (G, S, 2) rad/s: from idling."""
+        """Speeds with the clutch closed, (G, S, 2) rad/s: from idling, or a crawl of a motor."""
         top = self._fastest
         if self.main.gears is None:
             return np.stack([top, top], axis=-1)
-        low = np.broadcast_to((self.parts.idle / self.parts.ratios)[:, None], top.shape)
+        low = np.maximum((self.parts.idle / self.parts.ratios)[:, None], CRAWL * top)
         there = low <= top
         return np.stack([np.where(there, low, np.nan), np.where(there, top, np.nan)], axis=-1)
 
@@ -360,7 +363,7 @@ class _Running:
         those of the file's launches ahead; below a fifth of it the launch itself is asked.
         """
         top = self._fastest
-        if self.main.gears is None:
+        if self.main.gears is None or self.parts.starts_by == "motor":
             return np.full((*top.shape, 2), np.nan)
         ahead = [x for x in default_launches(self.application) if x.gear in self.parts.gears]
         held = dict.fromkeys({x.gear for x in ahead} or {"1"}, self.parts.idle)
