@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from cardan import files
+from cardan.quantity.quantities import QUANTITIES
 from cardan.study.approval import assess
 
 TRUCK = yaml.safe_load(
@@ -120,3 +121,12 @@ def test_an_axle_beyond_its_stops_is_told(states, told):
     found = [n for n in notes if "beyond its strap or bump stop" in n]
     assert found == ([] if not told else [n for n in notes if f"bump stop in {told}, which" in n])
     assert len(found) == bool(told)
+
+
+def test_a_line_between_axles_is_told_what_turns_it_unevenly():
+    tandem = assess(files.read(Path(__file__).parents[2] / "examples/tandem-6x4.yaml"))
+    main = tandem.responses[0]
+    swings = QUANTITIES["torsional_acceleration"].values(main)[:, 0]
+    (note,) = (str(n) for n in tandem.noted if "as if the axle that it leaves" in str(n))
+    assert f"swings by {swings.max():.4g} rad/s²" in note
+    assert f"in {main.demand.states[swings.argmax()]}," in note

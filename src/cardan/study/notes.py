@@ -45,6 +45,7 @@ def noted(application: Application, responses: Sequence[Response]) -> Iterator[S
     yield from _lifted_axles(responses)
     yield from _not_driven(responses)
     yield from _left_out(responses)
+    yield from _uneven_ahead(responses)
 
 
 def _figures(value: float) -> str:
@@ -272,6 +273,30 @@ def _left_out(responses: Iterable[Response]) -> Iterator[Said]:
             continue
         yield from _of_shafts(r)
         yield from _of_the_axle(r)
+
+
+def _uneven_ahead(responses: Sequence[Response]) -> Iterator[Said]:
+    """Yield what turns a line between axles unevenly: the pinion of the axle that it leaves."""
+    uneven = QUANTITIES["torsional_acceleration"]
+    for r in responses:
+        own = r.demand.installed
+        if own.output_joint is None or r.layout.points.ndim > 3:
+            continue
+        values = [
+            np.nan_to_num(uneven.values(o)).max(axis=-1)
+            for o in responses
+            if o.demand.installed.output_joint is None and o.demand.installed.drives == own.drives
+        ]
+        swings = np.max([np.zeros(len(r.demand.states)), *values], axis=0)
+        if swings.any():
+            s = int(swings.argmax())
+            yield said(
+                "line {line} is told as if the axle that it leaves turned evenly: its pinion "
+                "swings by {acceleration} rad/s² in {state}, and the through-shaft passes that on",
+                line=r.line.name,
+                acceleration=_figures(float(swings[s])),
+                state=r.demand.states[s],
+            )
 
 
 def _of_shafts(r: Response) -> Iterator[Said]:
