@@ -2185,7 +2185,7 @@ SWINGING = (
     mutant("study/driveline.py", "if limit.required and not _of_kinds(limit.states, response).any():", "if False:",
            "what is required of states that are not there is answered", "unit/test_left_out.py"),
     mutant("study/powertrain.py", "return installed.output_joint is not None, -line.usual_share,", "return installed.output_joint is not None, 0.0,",
-           "the line that a file lists first is the main one", "unit/test_stability.py::test_the_order_of_a_file_s_lines_is_no_matter"),
+           "the line that a file lists first is the main one", "unit/test_stability.py::test_the_line_that_has_most_is_the_main_one"),
     mutant("study/powertrain.py", 'else "motor" if application.electric', 'else "clutch" if application.electric',
            "a motor starts by a clutch", "unit/test_stability.py::test_a_motor_fires_nothing_idles_not_and_starts_without_a_clutch"),
     mutant("demand/axles.py", "if wrong := failing(rear >= nothing, rear):", "if wrong := failing(rear >= -np.inf, rear):",

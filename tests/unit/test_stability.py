@@ -613,6 +613,15 @@ def test_the_order_of_a_file_s_lines_is_no_matter(example):
     assert [of.line.name for of in other.lines] == [of.line.name for of in one.lines]
 
 
+def test_the_line_that_has_most_is_the_main_one():
+    given = files.read(EXAMPLES / "pick-up-4x4.yaml")
+    assert [r.line.name for r in drivetrain(given).lines] == ["main", "front"]
+    rear, front = given.lines
+    pulled = (replace(rear, torque_share=0.3), replace(front, torque_share=0.7))
+    for lines in (pulled, pulled[::-1]):
+        assert drivetrain(replace(given, lines=lines)).lines[0].line.name == "front"
+
+
 def test_a_plane_line_backs_as_it_drives():
     """Where no torque winds the axle up and no load moves, reverse is a gear like any other."""
     given = files.read(EXAMPLES / "medium-truck-4x2.yaml")

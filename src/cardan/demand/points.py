@@ -328,15 +328,15 @@ def _geared(
     said, reach = said_speed(asked.standing.line), speed[..., -1]
     for g, name in enumerate(gears.names):
         end = np.fmin(reach[..., g], said)
-        x, T = (_beside_states(v[..., g, :]) for v in (speed, torque))
+        at, gives = (_beside_states(v[..., g, :]) for v in (speed, torque))
         rolls = (reach[..., g] == reach.max(-1)) & (said > reach[..., g]) & (direction != "reverse")
         if rolls.any():
             end = np.where(rolls, said, end)
             kept = 0.0 if direction == "drive" else 1.0
-            x = _followed(x, np.where(rolls, said, reach[..., g]))
-            T = _followed(T, np.where(rolls, kept, 1.0) * T[..., -1])
+            at = _followed(at, np.where(rolls, said, reach[..., g]))
+            gives = _followed(gives, np.where(rolls, kept, 1.0) * gives[..., -1])
         yield _Curve(
-            gear=name, direction=direction, speed=x, torque=T, most=most,
+            gear=name, direction=direction, speed=at, torque=gives, most=most,
             fastest=np.where(there, end, np.nan),
         )  # fmt: skip
 

@@ -2,7 +2,7 @@
 
 import itertools
 from dataclasses import field
-from typing import Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -69,7 +69,8 @@ class Engine:
         droops = np.greater(top, self.speed[-1])
         ends = np.where(droops, top, self.speed[-1]), np.where(droops, 0.0, self.torque[-1])
         points = (*zip(self.speed, self.torque, strict=True), ends)
-        speed, torque = [np.minimum(self.speed[0], top)], [self.torque[0]]
+        speed: list[Any] = [np.minimum(self.speed[0], top)]
+        torque: list[Any] = [self.torque[0]]
         for (before, start), (there, end) in itertools.pairwise(points):
             wide = np.where(there > before, there - before, 1.0)
             cut = start + np.clip((top - before) / wide, 0.0, 1.0) * (end - start)
