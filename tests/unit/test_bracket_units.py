@@ -354,7 +354,7 @@ def test_maxima_are_found_afresh_and_their_error_holds():
     side[0, 1] = 1000.0
     found = refined(problem(), cases=[side])
     finest = refined(replace(problem(), size=5 * mm), cases=[side])
-    top, error = found.tops[-1], dict(zip(found.last.zones.features, found.error, strict=True))
+    top, error = found.tops[-1], found.error
     high = max(float(t[0]) for t in top.values())
     told = [f for f, t in top.items() if t[0] > 0.8 * high and f[0] in (SHEET, CUT)]
     assert len(told) > 3

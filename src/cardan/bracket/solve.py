@@ -23,7 +23,6 @@ from cardan.bracket.gauges import influence, misplaced
 from cardan.bracket.joint import PATCH, Joint, condensed, forces_of
 from cardan.bracket.refine import (
     LEVELS,
-    UNSETTLED,
     Problem,
     Refined,
     Solution,
@@ -342,7 +341,7 @@ def solve(task: Task, tell: Progress) -> Solved:
         stress=done.last.stress,
         sliding=sliding,
         clamped=clamped,
-        error=_errors(done, clamped),
+        error=done.error,
         influence_change=float(changed.max() / np.abs(last).max()) if last.size else 0.0,
         unknowns=done.last.elastic.unknowns,
         meshes=len(done.tops),
@@ -473,10 +472,3 @@ def _bolted(body: Solid, done: Refined, task: Task, tell: Progress) -> Bolted:
         thickness=body.thickness, read=read, tell=tell,
     )  # fmt: skip
     return Bolted(joint=joint, places=tuple(places))
-
-
-def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:
-    """Return the error of each feature; what was followed under neither way is not known."""
-    shares: list[float] = done.error.tolist()
-    known: dict[tuple[int, int], float] = dict(zip(done.features, shares, strict=True))
-    return dict.fromkeys(clamped.zones.features, UNSETTLED) | known

@@ -21,7 +21,7 @@ from cardan.model.bracket import ZONES
 
 SHEET, CUT, TOE, BORDER = range(len(ZONES))
 
-_NEAR, _FAR = 0.4, 1.0
+NEAR, _FAR = 0.4, 1.0
 """Where the structural stress is read, in thicknesses from the toe."""
 _CORNER = -45 * deg
 """Faces that turn away from each other by more meet in a corner of the sheet."""
@@ -82,7 +82,7 @@ class Lines:
     @property
     def _slope(self) -> FloatArray:
         """How much of the step from far to near (k,) is carried on to the toe."""
-        return np.where(self.room, _NEAR / (_FAR - _NEAR), 0.0)
+        return np.where(self.room, NEAR / (_FAR - NEAR), 0.0)
 
 
 @dataclass(frozen=True)
@@ -289,8 +289,8 @@ def _lines(nodes: Nodes, edges: Edges, *, thickness: Metre) -> Lines:
         empty = np.zeros((0, 3, 3))
         return Lines(start, start, empty, empty, empty, none, none, np.zeros(0, dtype=bool))
     t = depth(nodes, start + 0.3 * thickness * edges.into, edges.normals, usual=thickness)
-    near, near_frame, ok = _step(nodes, start, frame, _NEAR * t)
-    far, far_frame, ok_too = _step(nodes, near.points, near_frame, (_FAR - _NEAR) * t)
+    near, near_frame, ok = _step(nodes, start, frame, NEAR * t)
+    far, far_frame, ok_too = _step(nodes, near.points, near_frame, (_FAR - NEAR) * t)
     return Lines(
         points=start, normals=edges.normals, frames=frame,
         near_frames=near_frame, far_frames=far_frame, near=near, far=far, room=ok & ok_too,
