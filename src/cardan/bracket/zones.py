@@ -166,9 +166,10 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     face_of = _face_of(nodes, cut=cut, left_out=on_held | weld)
     clear = np.ones(len(surface), dtype=bool)
     if len(lines.points):
-        # What lies as near a toe as its stress is read is the toe's own business.
+        # What lies nearer a toe than its stress is read is the toe's own business. No farther:
+        # between there and the second reading a fillet may stand higher than both.
         away, _ = cKDTree(nodes.points[np.unique(at.nodes)]).query(nodes.points[surface])
-        clear = away > 0.99 * _FAR * thickness
+        clear = away > 0.99 * NEAR * thickness
     asked = clear & (face_of[surface] >= 0)
     own = surface[asked]
     own_kind = np.where(cut[face_of[own]], CUT, SHEET)
