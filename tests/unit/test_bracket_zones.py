@@ -142,6 +142,14 @@ def test_a_bracket_s_zones_keep_their_names_on_every_mesh():
         f for f in fine if f[0] in (TOE, BORDER)
     }
     assert {n for k, n in coarse if k == BORDER} == {1, 2, 3, 4}
+    # Clamped, a border is still its own bolt's: the plane had been counted as the first of five.
+    places = np.array(U.places)[:, :2]
+    for zone in found:
+        lines = zone.lines.points[:, :2]
+        nearest_bolt = np.linalg.norm(lines[:, None] - places, axis=-1).argmin(axis=1) + 1
+        numbers = np.array([n for _, n in zone.features])[zone.feature[len(zone.own) :]]
+        borders = zone.kind[len(zone.own) :] == BORDER
+        assert (numbers == nearest_bolt)[borders].all()
     # Each rib's weld meets the sheet in one toe and the rib in another.
     assert len({f for f in coarse if f[0] == TOE}) == 4
     assert {f for f in clamped if f[0] == TOE} == {f for f in coarse if f[0] == TOE}

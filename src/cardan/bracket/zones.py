@@ -181,7 +181,9 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     # Numbered over all the drawing has, so that a face keeps its number however it is held
     # and meshed.
     every_face = np.unique(nodes.face_numbers).tolist()
-    bolts = sorted({_bolt(str(n)) for n in names[on_held]}, key=_counted)
+    # However it is held: of a clamped plane, and of a welded end, nobody asks a bolt's border.
+    held_names = {str(n) for n in names[on_held]} - {MOUNT}
+    bolts = sorted({_bolt(n) for n in held_names if not n.startswith(END)}, key=_counted)
     ranks = {SHEET: every_face, CUT: every_face, BORDER: bolts,
              TOE: np.unique(chains[line_kind == TOE]).tolist()}  # fmt: skip
     known = sorted(set(keys), key=lambda key: (key[0], ranks[key[0]].index(key[1])))

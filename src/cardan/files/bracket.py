@@ -6,7 +6,7 @@ from typing import Annotated, Any, TypeAlias, get_args
 
 import numpy as np
 
-from cardan.base.units import deg, g, mm
+from cardan.base.units import GPa, deg, g, mm
 from cardan.border.measure import (
     FORCES,
     STIFFNESSES,
@@ -34,7 +34,7 @@ from cardan.border.table import (
     nearest,
 )  # fmt: skip
 from cardan.fatigue.detail import sheet_amplitude
-from cardan.files.catalogue import ADetail, AMaterial
+from cardan.files.catalogue import ADetail, AMaterial, shipped
 from cardan.model.application import Installed
 from cardan.model.bracket import (
     ZONES,
@@ -77,6 +77,8 @@ Roughness: TypeAlias = Annotated[float, Number(worth={"um": 1e-6}, least=0, most
 FORCE_CHANNELS = ("x_N", "y_N", "z_N")
 MICROSTRAIN = ("um/m", "µm/m", "μm/m", "ue", "uE", "µε", "με", "ustrain", "microstrain")
 _SHORTEST = 4
+_STEEL = 180 * GPa
+"""No steel is softer: cast irons have up to 176, aluminium 70."""
 _MOST = 400
 DEFAULTS: dict[Zone, str] = {
     "cut edge": "iiw-edge-125", "weld toe": "iiw-hotspot-90", "bolt border": "ec3-bolted-90",
@@ -344,6 +346,10 @@ class FatigueTable(Table):
         """Return the sheet's curve in SI."""
         amplitude = self.amplitude
         if self.roughness is not None:
+            if material.youngs_modulus < _STEEL:
+                self.at("roughness").refuse(
+                    f"is of steel, and {material.name} is none", "give amplitude_MPa"
+                )
             if material.ultimate_strength is None:
                 self.at("roughness").refuse(
                     f"needs the ultimate strength of the material, and {material.name} states none",
@@ -353,12 +359,23 @@ class FatigueTable(Table):
         assert amplitude is not None  # one of the two is given
         return FatigueCurve(amplitude=amplitude, cycles=self.cycles, slope=self.slope)
 
-    def details(self) -> dict[Zone, FatigueCurve]:
-        """Return the curves of the zones that the file gives one for."""
+    def details(self, material: Material) -> dict[Zone, FatigueCurve]:
+        """Return the curves of the zones that the file gives one for; of what is no steel all."""
         given: dict[Zone, FatigueCurve | None] = {
             "cut edge": self.cut_edge, "weld toe": self.weld_toe, "bolt border": self.bolt_border,
         }  # fmt: skip
-        return {zone: curve for zone, curve in given.items() if curve is not None}
+        own = {zone: curve for zone, curve in given.items() if curve is not None}
+        foreign = [
+            zone.replace(" ", "_") for zone, curve in given.items()
+            if curve is None or curve.name in shipped("detail").rows
+        ]  # fmt: skip
+        if foreign and material.youngs_modulus < _STEEL:
+            self.at().refuse(
+                f"needs its own {', '.join(foreign)}: the catalogue's details are of steel, and "
+                f"{material.name} is none",
+                "give their classes in place, by range_MPa and slope",
+            )
+        return own
 
 
 SIZE, WALL, DISTANCE = (get_args(kind)[1] for kind in (Size, Wall, Distance))
@@ -502,7 +519,7 @@ class BracketTable(Table):
                 element=self.element,
                 order=max(self.order, LEAST_ORDER),
                 fatigue=self.fatigue.sheet(self.material) if self.fatigue else None,
-                details=self.fatigue.details() if self.fatigue else {},
+                details=self.fatigue.details(self.material) if self.fatigue else {},
                 bolts=self.bolts.bolts(shape) if self.bolts else None,
                 search=self.optimise.search(shape) if self.optimise else None,
             )
