@@ -663,7 +663,7 @@ def test_a_file_in_other_axes_is_refused_with_what_its_bore_lies_along(tmp_path)
 
 
 def test_rounds_that_break_a_sheet_s_corners_are_in_the_estimate():
-    """The mesher asks for elements there by itself: 680 thousand unknowns where 88 were expected."""
+    """The mesher asks for elements there by itself: 680 thousand unknowns for 88 expected."""
     sheet = engine().occ.Box((0, 0, 0), (0.08, 0.04, 0.004))
     long = [e for e in sheet.edges if abs(e.center.x - 0.04) < 1e-9]
     body = Solid(sheet.MakeFillet(long, 0.5 * mm), (), 4 * mm, 0.0)
