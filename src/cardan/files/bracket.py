@@ -364,7 +364,6 @@ class FatigueTable(Table):
         given: dict[Zone, FatigueCurve | None] = {
             "cut edge": self.cut_edge, "weld toe": self.weld_toe, "bolt border": self.bolt_border,
         }  # fmt: skip
-        own = {zone: curve for zone, curve in given.items() if curve is not None}
         foreign = [
             zone.replace(" ", "_") for zone, curve in given.items()
             if curve is None or curve.name in shipped("detail").rows
@@ -375,7 +374,7 @@ class FatigueTable(Table):
                 f"{material.name} is none",
                 "give their classes in place, by range_MPa and slope",
             )
-        return own
+        return {zone: curve for zone, curve in given.items() if curve is not None}
 
 
 SIZE, WALL, DISTANCE = (get_args(kind)[1] for kind in (Size, Wall, Distance))
