@@ -83,7 +83,7 @@ def test_what_is_no_steel_bears_no_steel_s_classes():
     own = f"cut_edge: {IN_PLACE}, weld_toe: {IN_PLACE}, bolt_border: {IN_PLACE}"
     given = bracket(ALUMINIUM + f"  fatigue: {{amplitude_MPa: 60, {own}}}\n")
     assert given.details["weld toe"].amplitude < 36e6 / 2
-    with pytest.raises(BadFile, match="needs its own cut_edge, weld_toe: .* 6061-T6 is none"):
+    with pytest.raises(BadFile, match=r"needs its own cut_edge, weld_toe: .* 6061-T6 is none"):
         bracket(ALUMINIUM + "  fatigue: {amplitude_MPa: 60, weld_toe: iiw-hotspot-90, "
                 f"bolt_border: {IN_PLACE}}}\n")  # fmt: skip
     with pytest.raises(BadFile, match=r"roughness.*6061-T6 is none"):

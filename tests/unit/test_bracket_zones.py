@@ -56,6 +56,39 @@ def test_every_place_of_a_surface_is_asked_or_spoken_for(plate):
     assert sum(kind == TOE for kind, _ in zones.features) == 1
 
 
+@pytest.mark.parametrize("broken", ["sharp", "MakeFillet", "MakeChamfer"])
+def test_a_cut_edge_is_one_whether_its_corners_are_broken_or_not(broken):
+    """By 0.5 mm of 5: then it was sheet, which bears twice as much, where FAT 125 asks for that."""
+    shape = engine().occ.Box((-0.01, -0.03, 0), (0.01, 0.03, T))
+    if broken != "sharp":
+        long = [e for e in shape.edges if abs(e.center.y) > 0.0299 and abs(e.center.x) < 1e-9]
+        shape = getattr(shape, broken)(long, 0.5 * mm)
+    for face in shape.faces:
+        face.name = "end" if face.center.x < -0.01 + 1e-9 else "free"
+    nodes = elastic(mesh(shape, size=4 * mm), STEEL, held={"end": "xyz"}).nodes
+    zones = zones_of(nodes, held=("end",), thickness=T)
+    x, y, _ = np.abs(nodes.points[zones.own]).T
+    cut = zones.kind[: len(zones.own)] == CUT
+    assert cut[(y > 0.0299) & (x < 0.004)].all()
+    assert not cut[(y < 0.029) & (x < 0.004)].any()
+
+
+def test_a_small_fillet_in_a_corner_breaks_no_edge():
+    """As narrow and as round as a broken corner, but inwards: sheet goes on there."""
+    occ = engine().occ
+    shape = occ.Box((-0.02, 0, 0), (0.02, 0.01, T)) + occ.Box((0, 0, 0), (T, 0.01, 4 * T))
+    toe = [
+        e for e in shape.edges if abs(e.center.x * (e.center.x - T)) + abs(e.center.z - T) < 1e-9
+    ]
+    shape = shape.MakeFillet(toe, 0.5 * mm)
+    nodes = elastic(mesh(shape, size=4 * mm), STEEL, held={"default": "xyz"}).nodes
+    assert len(zones._rounded(nodes, edges_of(nodes), 0.25 * T)) == 0
+    outside = shape.MakeFillet([e for e in shape.edges if abs(e.center.z - 4 * T) < 1e-9], 0.5 * mm)
+    nodes = elastic(mesh(outside, size=4 * mm), STEEL, held={"default": "xyz"}).nodes
+    found = zones._rounded(nodes, edges_of(nodes), 0.25 * T)
+    assert found[:, 2].min() > 4 * T - 0.6 * mm
+
+
 def test_structural_stress_carries_a_straight_field_on(plate):
     """sigma = 1.67 sigma(0.4 t) - 0.67 sigma(1.0 t), by hand on a field that is known."""
     nodes = plate.nodes

@@ -106,10 +106,14 @@ def worst(request, tmp_path_factory):
         work.append(float((pull * (ends[-1][0] - ends[0][0])[:n]).sum()))
     theirs = von_mises(of(np.stack(swings, axis=1)))
     known = [kind for kind in KINDS if (kinds == kind).any()]
-    return [KINDS[k] for k in known], *(
-        np.stack([level[kinds == kind].max(axis=0) for kind in known])
-        for level in (ours[0], np.maximum(*ours), theirs)
-    ), np.array(work) / ways[0]
+    return (
+        [KINDS[k] for k in known],
+        *(
+            np.stack([level[kinds == kind].max(axis=0) for kind in known])
+            for level in (ours[0], np.maximum(*ours), theirs)
+        ),
+        np.array(work) / ways[0],
+    )
 
 
 def test_contact_on_a_hard_frame_is_that_of_calculix(worst):

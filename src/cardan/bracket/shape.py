@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from cardan.base.errors import CardanError, DesignError
 from cardan.base.units import Metre, mm
+from cardan.bracket.elastic import PER_RADIUS
 from cardan.bracket.engine import engine
 from cardan.model.bracket import Hold, LShape, Pick, Shape, StepShape, UShape, Vector
 
@@ -42,6 +43,8 @@ _ASKEW = 1e-5
 """Sine of the angle between a bolt and an axis that is a drawing's last digits."""
 _ROUND = 0.75
 """Of a turn that a bolt's hole goes at least, cut into or not; a slot's end goes by half."""
+_SMALL = 0.4
+"""Of its thickness, a round that breaks a corner of it; an estimate knows larger ones as bends."""
 _WIDE = 3.0
 """Times its thickness, a round whose elements that thickness bounds, and not its radius alone."""
 _NEAR = 1e-3  # mm: faces of a drawing meet far closer, and none is smaller
@@ -467,6 +470,12 @@ def longest_on(face: Any, thickness: Metre) -> Metre:
     if of is None or of.radius < _WIDE * thickness:
         return np.inf
     return float(np.sqrt(0.8 * of.radius * thickness))
+
+
+def round_off(face: Any, thickness: Metre) -> Metre:
+    """Edge of the elements on a round that breaks a sheet's corner: endless on any other face."""
+    of = _cylinder(face)
+    return of.radius / PER_RADIUS if of and of.radius < _SMALL * thickness else np.inf
 
 
 def _cylinder(face: Any) -> _Cylinder | None:

@@ -29,7 +29,7 @@ from cardan.bracket.refine import (
     refined,
     telling,
 )  # fmt: skip
-from cardan.bracket.shape import MOUNT, WASHER, Picked, Solid, longest_on, solid
+from cardan.bracket.shape import MOUNT, WASHER, Picked, Solid, longest_on, round_off, solid
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
@@ -363,6 +363,8 @@ def _asked_of_faces(body: Solid, size: Metre, *, bolted: bool) -> float:
         if edge < size:
             face.maxh = edge
             finer += triangles(face.mass, edge)
+        elif (small := round_off(face, body.thickness)) < size:  # the mesher asks by itself
+            finer += triangles(face.mass, small)
     return finer
 
 

@@ -23,8 +23,11 @@ SHEET, CUT, TOE, BORDER = range(len(ZONES))
 
 NEAR, _FAR = 0.4, 1.0
 """Where the structural stress is read, in thicknesses from the toe."""
-_CORNER = -45 * deg
-"""Faces that turn away from each other by more meet in a corner of the sheet."""
+_CORNER = -30 * deg
+"""Faces that turn away from each other by more meet in a corner of the sheet, or in half of one
+that is broken: a chamfer's edges turn by 45 degrees each, to a drawing's last digits."""
+_BROKEN, _BENT = 0.25, np.cos(22.5 * deg)
+"""Half the width of a face that rounds a corner off, in thicknesses; how far it bends at least."""
 _NARROW = 0.6
 """A face is a cut edge where no point of it lies farther from a corner, in thicknesses."""
 
@@ -145,7 +148,9 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     border = ~on_held[here] & on_held[there]
     toe = ~on_held[here] & ~on_held[there] & ~weld[here]
     toe &= weld[there] | (edges.turn > RE_ENTRANT)
-    corner = _along(nodes, edges[edges.turn < _CORNER])
+    corner = np.concatenate([
+        _along(nodes, edges[edges.turn < _CORNER]), _rounded(nodes, edges, _BROKEN * thickness)
+    ])  # fmt: skip
     cut = _narrow_faces(nodes, corner, _NARROW * thickness) & ~weld
     at = edges[border | toe]
     lines = _lines(nodes, at, thickness=thickness)
@@ -226,18 +231,40 @@ def _along(nodes: Nodes, edges: Edges) -> FloatArray:
     return along.reshape(-1, 3)
 
 
+def _rounded(nodes: Nodes, edges: Edges, width: Metre) -> FloatArray:
+    """Return points (k, 3) m of the faces that round a corner of the sheet off.
+
+    Such a face is narrow, bends from one of its edges to the other, and outwards.
+    """
+    face, count = nodes.face_numbers[edges.faces], int(nodes.face_numbers.max()) + 1
+    mean = np.zeros((count, 3))
+    np.add.at(mean, face, edges.normals)
+    mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-300)
+    bent, outwards = np.ones(count), np.zeros(count)
+    np.minimum.at(bent, face, (mean[face] * edges.normals).sum(-1))
+    np.add.at(outwards, face, ((mean[face] - edges.normals) * edges.into).sum(-1))
+    narrow = _farthest(nodes, _along(nodes, edges)) <= width
+    which = narrow & (bent < _BENT) & (outwards > 0)
+    return nodes.points[np.unique(nodes.faces[which[nodes.face_numbers]])]
+
+
 def _narrow_faces(nodes: Nodes, corner: FloatArray, width: Metre) -> BoolArray:
     """Whether each triangle (f,) lies on a face no point of which is far from a corner."""
+    seat = nodes.face_names == SEAT
+    return (_farthest(nodes, corner) <= width)[nodes.face_numbers] & ~seat
+
+
+def _farthest(nodes: Nodes, points: FloatArray) -> FloatArray:
+    """Return how far from points (k, 3) m the farthest of each face of the drawing is, (faces,)."""
     from scipy.spatial import cKDTree
 
-    if not len(corner):
-        return np.zeros(len(nodes.faces), dtype=bool)
-    away = np.zeros(len(nodes.points))
-    away[nodes.surface] = cKDTree(corner).query(nodes.points[nodes.surface])[0]
     farthest = np.zeros(int(nodes.face_numbers.max()) + 1)
+    if not len(points):
+        return farthest + np.inf
+    away = np.zeros(len(nodes.points))
+    away[nodes.surface] = cKDTree(points).query(nodes.points[nodes.surface])[0]
     np.maximum.at(farthest, nodes.face_numbers, away[nodes.faces].max(axis=1))
-    seat = nodes.face_names == SEAT
-    return (farthest[nodes.face_numbers] <= width) & ~seat
+    return farthest
 
 
 def _face_of(nodes: Nodes, *, cut: BoolArray, left_out: BoolArray) -> IntArray:
