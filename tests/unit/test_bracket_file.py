@@ -74,22 +74,6 @@ def test_what_cannot_be_is_refused_with_its_place(change, says):
     assert all(p.line > LINE.count("\n") for p in refused.value.problems)
 
 
-ALUMINIUM = FULL.replace("S355MC", "6061-T6")
-IN_PLACE = "{range_MPa: 36, slope: 3}"
-
-
-def test_what_is_no_steel_bears_no_steel_s_classes():
-    """A weld toe of aluminium has IIW's class 36, where steel's 90 told 5275 h of some 100."""
-    own = f"cut_edge: {IN_PLACE}, weld_toe: {IN_PLACE}, bolt_border: {IN_PLACE}"
-    given = bracket(ALUMINIUM + f"  fatigue: {{amplitude_MPa: 60, {own}}}\n")
-    assert given.details["weld toe"].amplitude < 36e6 / 2
-    with pytest.raises(BadFile, match=r"needs its own cut_edge, weld_toe: .* 6061-T6 is none"):
-        bracket(ALUMINIUM + "  fatigue: {amplitude_MPa: 60, weld_toe: iiw-hotspot-90, "
-                f"bolt_border: {IN_PLACE}}}\n")  # fmt: skip
-    with pytest.raises(BadFile, match=r"roughness.*6061-T6 is none"):
-        bracket(ALUMINIUM + f"  fatigue: {{roughness_um: 100, {own}}}\n")
-
-
 def test_a_file_that_says_order_1_is_read_with_order_2_and_says_so():
     """Files that were written when it was taken are read."""
     application = files.loads(LINE + FULL.replace("order: 2", "order: 1"))
