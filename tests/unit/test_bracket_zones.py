@@ -82,11 +82,38 @@ def test_a_small_fillet_in_a_corner_breaks_no_edge():
     ]
     shape = shape.MakeFillet(toe, 0.5 * mm)
     nodes = elastic(mesh(shape, size=4 * mm), STEEL, held={"default": "xyz"}).nodes
-    assert len(zones._rounded(nodes, edges_of(nodes), 0.25 * T)) == 0
+    assert not zones._breaking(nodes, edges_of(nodes), 0.25 * T)[1].any()
     outside = shape.MakeFillet([e for e in shape.edges if abs(e.center.z - 4 * T) < 1e-9], 0.5 * mm)
     nodes = elastic(mesh(outside, size=4 * mm), STEEL, held={"default": "xyz"}).nodes
-    found = zones._rounded(nodes, edges_of(nodes), 0.25 * T)
-    assert found[:, 2].min() > 4 * T - 0.6 * mm
+    _, rounds = zones._breaking(nodes, edges_of(nodes), 0.25 * T)
+    found = nodes.points[nodes.faces[rounds[nodes.face_numbers]]]
+    assert found[..., 2].min() > 4 * T - 0.6 * mm
+
+
+@pytest.mark.parametrize("broken", ["MakeFillet", "MakeChamfer"])
+@pytest.mark.parametrize(("size", "cut"), [((16, 14, 14), False), ((16, 20, 5), True)])
+def test_what_breaks_the_edges_of_a_block_is_no_cut_edge(broken, size, cut):
+    """A lug of 14 mm square in a bracket of 5 mm walls; of a plate all round it is one.
+
+    With the patches where three of them meet.
+    """
+    x, y, z = (s * mm for s in size)
+    occ = engine().occ
+    shape = occ.Box((0, 0, 0), (x, y, z))
+    shape = getattr(shape, broken)([e for e in shape.edges if e.center.x > mm / 2], mm)
+    for face in shape.faces:
+        face.name = "end" if face.center.x < 1e-9 else "free"
+    nodes = elastic(mesh(shape, size=5 * mm), STEEL, held={"end": "xyz"}).nodes
+    zones = zones_of(nodes, held=("end",), thickness=T)
+    own = zones.kind[: len(zones.own)] == CUT
+    if not cut:
+        assert not own.any()
+        return
+    at = nodes.points[zones.own]
+    inside = np.abs(at[:, 1] - y / 2) < y / 2 - 1.01 * mm
+    skin = inside & (at[:, 0] < x - 1.01 * mm)
+    assert not own[skin].any()
+    assert own[~skin].all()
 
 
 def test_structural_stress_carries_a_straight_field_on(plate):

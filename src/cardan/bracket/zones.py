@@ -148,10 +148,7 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     border = ~on_held[here] & on_held[there]
     toe = ~on_held[here] & ~on_held[there] & ~weld[here]
     toe &= weld[there] | (edges.turn > RE_ENTRANT)
-    corner = np.concatenate([
-        _along(nodes, edges[edges.turn < _CORNER]), _rounded(nodes, edges, _BROKEN * thickness)
-    ])  # fmt: skip
-    cut = _narrow_faces(nodes, corner, _NARROW * thickness) & ~weld
+    cut = _cut(nodes, edges, thickness)[nodes.face_numbers] & ~weld & (names != SEAT)
     at = edges[border | toe]
     lines = _lines(nodes, at, thickness=thickness)
     welded = np.char.startswith(names[at.others].astype(str), END)
@@ -231,10 +228,32 @@ def _along(nodes: Nodes, edges: Edges) -> FloatArray:
     return along.reshape(-1, 3)
 
 
-def _rounded(nodes: Nodes, edges: Edges, width: Metre) -> FloatArray:
-    """Return points (k, 3) m of the faces that round a corner of the sheet off.
+def _cut(nodes: Nodes, edges: Edges, thickness: Metre) -> BoolArray:
+    """Whether each face of the drawing is a cut edge of the sheet, (faces,).
 
-    Such a face is narrow, bends from one of its edges to the other, and outwards.
+    That is a face no point of which is far from a corner; and with it what breaks its corners,
+    which by itself is none: so are the edges of a thick block.
+    """
+    breaks, rounds = _breaking(nodes, edges, _BROKEN * thickness)
+    round_ = nodes.points[np.unique(nodes.faces[rounds[nodes.face_numbers]])]
+    corner = np.concatenate([_along(nodes, edges[edges.turn < _CORNER]), round_])
+    cut = (_farthest(nodes, corner) <= _NARROW * thickness) & ~breaks
+    face, other = (nodes.face_numbers[of] for of in (edges.faces, edges.others))
+    beside = np.zeros_like(cut)
+    beside[face[cut[other]]] = True
+    cut |= breaks & beside
+    # Where three broken edges meet a patch lies among them, and is what they are.
+    among, beside = breaks.copy(), np.zeros_like(cut)
+    among[face[~breaks[other]]] = False
+    beside[face[cut[other]]] = True
+    return cut | (among & beside)
+
+
+def _breaking(nodes: Nodes, edges: Edges, width: Metre) -> tuple[BoolArray, BoolArray]:
+    """Return which faces (faces,) break a corner of the sheet, and which of them by a round.
+
+    Such a face is narrow. A round bends from one of its edges to the other, and outwards; a
+    chamfer turns half of a corner at each.
     """
     face, count = nodes.face_numbers[edges.faces], int(nodes.face_numbers.max()) + 1
     mean = np.zeros((count, 3))
@@ -243,15 +262,10 @@ def _rounded(nodes: Nodes, edges: Edges, width: Metre) -> FloatArray:
     bent, outwards = np.ones(count), np.zeros(count)
     np.minimum.at(bent, face, (mean[face] * edges.normals).sum(-1))
     np.add.at(outwards, face, ((mean[face] - edges.normals) * edges.into).sum(-1))
+    turn = np.bincount(face, edges.turn, count) / np.maximum(np.bincount(face, minlength=count), 1)
     narrow = _farthest(nodes, _along(nodes, edges)) <= width
-    which = narrow & (bent < _BENT) & (outwards > 0)
-    return nodes.points[np.unique(nodes.faces[which[nodes.face_numbers]])]
-
-
-def _narrow_faces(nodes: Nodes, corner: FloatArray, width: Metre) -> BoolArray:
-    """Whether each triangle (f,) lies on a face no point of which is far from a corner."""
-    seat = nodes.face_names == SEAT
-    return (_farthest(nodes, corner) <= width)[nodes.face_numbers] & ~seat
+    rounds = narrow & (bent < _BENT) & (outwards > 0)
+    return rounds | (narrow & (turn < _CORNER) & (turn > 2 * _CORNER)), rounds
 
 
 def _farthest(nodes: Nodes, points: FloatArray) -> FloatArray:
