@@ -195,7 +195,7 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
                 within=(max(float((least - off).max()), 0.0), float((used + off).max())),
             )  # fmt: skip
     if quantity == "bracket_fatigue_utilisation":
-        yield from _fatigue(variant, _zones(of, variant, known=True))
+        yield from _fatigue(variant)
     if quantity == "bracket_life":
         measured = {one.name for one in of.bracket.recordings}
         # A recording may have the name of a state, whose cases say what they are of it.
@@ -204,8 +204,9 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
             if o.case.name in measured and not o.case.what and o.life
         )  # fmt: skip
         for endured in (*variant.duty, *lives):
-            for zone in _zones(of, variant, known=True):
-                mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
+            for _, mine in _by_zone(variant):
+                if np.isnan(endured.spots[mine]).all():
+                    continue  # nobody knows what it bears
                 worst = max(mine, key=lambda k: float(endured.spots[k]))
                 low, high = (h * hour for h in endured.at(mine).hours_within)
                 yield _Value(
@@ -230,18 +231,20 @@ def yields(material: Material, at: Feature) -> float:
     return strength or np.nan
 
 
-def _zones(of: BracketAnswer, variant: Judged, *, known: bool) -> list[Zone]:
-    """Return the zones of a shape of which it is known what they bear in fatigue, or not known."""
-    found = strengths(of.bracket)
-    there: dict[Zone, None] = dict.fromkeys(f.zone for f in variant.features)
-    return [zone for zone in there if (zone in found) == known]
+def _by_zone(variant: Judged) -> list[tuple[Zone, list[int]]]:
+    """Return the zones of a shape, each with its features."""
+    zones: dict[Zone, list[int]] = {}
+    for k, f in enumerate(variant.features):
+        zones.setdefault(f.zone, []).append(k)
+    return list(zones.items())
 
 
-def _fatigue(variant: Judged, zones: Sequence[Zone]) -> Iterator[_Value]:
+def _fatigue(variant: Judged) -> Iterator[_Value]:
     """Yield for each zone the case, and the feature, that comes nearest its fatigue limit."""
     lasting = [o for o in variant.outcomes if not np.isnan(o.used).all()]
-    for zone in zones if lasting else ():
-        mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
+    for _, mine in _by_zone(variant):
+        if all(np.isnan(o.used[mine]).all() for o in lasting):
+            continue
         worst = max(lasting, key=lambda o: float(np.nanmax(o.used[mine], initial=0.0)))
         at = max(mine, key=lambda k: float(np.nan_to_num(worst.used[k])))
         part, used = variant.features[at].part, float(worst.used[at])
@@ -272,7 +275,8 @@ def _unanswered(
         )
 
     features = variant.features
-    untold = _zones(of, variant, known=False)
+    found = strengths(of.bracket)
+    untold = [zone for zone, _ in _by_zone(variant) if found and zone not in found]
     soft = [f for f in features if np.isnan(yields(of.bracket.material, f))]
     for limit in limits:
         must = replace(limit, required=True)
