@@ -298,10 +298,13 @@ def test_of_two_ways_to_be_held_the_worse_is_followed():
     off = _worse([sliding, clamped], [{f: 0 * t for f, t in sliding.items()}, clamped])
     np.testing.assert_array_equal(off[0, 2], [82, 90])
     np.testing.assert_array_equal(off[0, 1], [0, 0])
-    assert _firm_matters(sliding, found, np.ones(5))
+    assert _firm_matters(sliding, found, found, np.ones(5))
     # Four per cent above the sliding one, or far below the worst: what slides tells enough.
     near = {(0, 1): np.array([104.0, 52.0]), (0, 2): np.array([80.0, 60.0])}
-    assert not _firm_matters(sliding, near | {(0, 3): np.array([60.0, 40.0])}, np.ones(5))
+    near |= {(0, 3): np.array([60.0, 40.0])}
+    assert not _firm_matters(sliding, near, near, np.ones(5))
+    # But where its elements are too large to read it, it may be among the worst after all.
+    assert _firm_matters(sliding, near, near | {(0, 3): np.array([60.0, 75.0])}, np.ones(5))
 
 
 def test_what_pulls_straight_off_the_frame_is_known_by_its_largest_force():

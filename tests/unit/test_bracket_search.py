@@ -64,7 +64,9 @@ def fake(monkeypatch, life, first=1.0, slips=None, stress=None):
     def judged(_, shape, *, name, levels, **_tell):
         solved.append(name)
         hours = life(shape) * (first if levels == 1 else 1.0)
-        part = SimpleNamespace(zone="sheet", number=1, part=bracket_search_part())
+        part = SimpleNamespace(
+            zone="sheet", number=1, part=bracket_search_part(), beside_weld=False
+        )
         bolted = slips is not None and levels > 1
         asked = [
             Slip(Occasion("case", case), share)

@@ -10,6 +10,7 @@ from cardan.bracket import zones
 from cardan.bracket.elastic import elastic, mesh
 from cardan.bracket.engine import engine
 from cardan.bracket.shape import solid
+from cardan.bracket.stress import von_mises
 from cardan.bracket.surface import edges_of, nearest
 from cardan.bracket.zones import BORDER, CUT, SHEET, TOE, depth, zones_of
 from cardan.model.bracket import UShape
@@ -55,6 +56,66 @@ def test_every_place_of_a_surface_is_asked_or_spoken_for(plate):
     assert sum(kind == TOE for kind, _ in zones.features) == 1
 
 
+@pytest.mark.parametrize("broken", ["sharp", "MakeFillet", "MakeChamfer"])
+def test_a_cut_edge_is_one_whether_its_corners_are_broken_or_not(broken):
+    """By 0.5 mm of 5: then it was sheet, which bears twice as much, where FAT 125 asks for that."""
+    shape = engine().occ.Box((-0.01, -0.03, 0), (0.01, 0.03, T))
+    if broken != "sharp":
+        long = [e for e in shape.edges if abs(e.center.y) > 0.0299 and abs(e.center.x) < 1e-9]
+        shape = getattr(shape, broken)(long, 0.5 * mm)
+    for face in shape.faces:
+        face.name = "end" if face.center.x < -0.01 + 1e-9 else "free"
+    nodes = elastic(mesh(shape, size=4 * mm), STEEL, held={"end": "xyz"}).nodes
+    zones = zones_of(nodes, held=("end",), thickness=T)
+    x, y, _ = np.abs(nodes.points[zones.own]).T
+    cut = zones.kind[: len(zones.own)] == CUT
+    assert cut[(y > 0.0299) & (x < 0.004)].all()
+    assert not cut[(y < 0.029) & (x < 0.004)].any()
+
+
+def test_a_small_fillet_in_a_corner_breaks_no_edge():
+    """As narrow and as round as a broken corner, but inwards: sheet goes on there."""
+    occ = engine().occ
+    shape = occ.Box((-0.02, 0, 0), (0.02, 0.01, T)) + occ.Box((0, 0, 0), (T, 0.01, 4 * T))
+    toe = [
+        e for e in shape.edges if abs(e.center.x * (e.center.x - T)) + abs(e.center.z - T) < 1e-9
+    ]
+    shape = shape.MakeFillet(toe, 0.5 * mm)
+    nodes = elastic(mesh(shape, size=4 * mm), STEEL, held={"default": "xyz"}).nodes
+    assert not zones._breaking(nodes, edges_of(nodes), 0.25 * T)[1].any()
+    outside = shape.MakeFillet([e for e in shape.edges if abs(e.center.z - 4 * T) < 1e-9], 0.5 * mm)
+    nodes = elastic(mesh(outside, size=4 * mm), STEEL, held={"default": "xyz"}).nodes
+    _, rounds = zones._breaking(nodes, edges_of(nodes), 0.25 * T)
+    found = nodes.points[nodes.faces[rounds[nodes.face_numbers]]]
+    assert found[..., 2].min() > 4 * T - 0.6 * mm
+
+
+@pytest.mark.parametrize("broken", ["MakeFillet", "MakeChamfer"])
+@pytest.mark.parametrize(("size", "cut"), [((16, 14, 14), False), ((16, 20, 5), True)])
+def test_what_breaks_the_edges_of_a_block_is_no_cut_edge(broken, size, cut):
+    """A lug of 14 mm square in a bracket of 5 mm walls; of a plate all round it is one.
+
+    With the patches where three of them meet.
+    """
+    x, y, z = (s * mm for s in size)
+    occ = engine().occ
+    shape = occ.Box((0, 0, 0), (x, y, z))
+    shape = getattr(shape, broken)([e for e in shape.edges if e.center.x > mm / 2], mm)
+    for face in shape.faces:
+        face.name = "end" if face.center.x < 1e-9 else "free"
+    nodes = elastic(mesh(shape, size=5 * mm), STEEL, held={"end": "xyz"}).nodes
+    zones = zones_of(nodes, held=("end",), thickness=T)
+    own = zones.kind[: len(zones.own)] == CUT
+    if not cut:
+        assert not own.any()
+        return
+    at = nodes.points[zones.own]
+    inside = np.abs(at[:, 1] - y / 2) < y / 2 - 1.01 * mm
+    skin = inside & (at[:, 0] < x - 1.01 * mm)
+    assert not own[skin].any()
+    assert own[~skin].all()
+
+
 def test_structural_stress_carries_a_straight_field_on(plate):
     """sigma = 1.67 sigma(0.4 t) - 0.67 sigma(1.0 t), by hand on a field that is known."""
     nodes = plate.nodes
@@ -77,6 +138,25 @@ def test_structural_stress_carries_a_straight_field_on(plate):
     # Along the edge, off the corner, the distances are those of the rule.
     gap = np.linalg.norm(lines.near.points - lines.points, axis=1)[mine]
     assert gap == pytest.approx(0.4 * T, rel=0.02)
+
+
+def test_what_peaks_between_the_two_readings_is_told(plate):
+    """A ridge 0.7 t from a toe: no node beyond the first reading stands higher than what is told.
+
+    A fillet 0.75 t from a bolt's hole had 118 MPa, and the border that spoke for it said 17.
+    """
+    nodes = plate.nodes
+    zones = zones_of(nodes, held=("end",), thickness=T)
+    x, y, z = nodes.points.T
+    ahead = (z > T - 1e-9) & (np.abs(y) < 0.01)
+    stress = np.zeros((len(x), 1, 6))
+    stress[:, 0, 1] = ahead * np.exp(-(((x + 0.01 + 0.7 * T) / (0.2 * T)) ** 2))
+    toes = zones.lines.points[zones.kind[len(zones.own) :] == TOE]
+    on = nodes.surface
+    gap = np.linalg.norm(nodes.points[on, None] - toes[None], axis=-1).min(axis=1)
+    highest = stress[on[gap > 0.5 * T], 0, 1].max()
+    assert highest > 0.7
+    assert von_mises(zones.stress(nodes, stress)).max() >= highest
 
 
 def test_a_wall_s_thickness_is_measured(plate):
@@ -122,6 +202,14 @@ def test_a_bracket_s_zones_keep_their_names_on_every_mesh():
         f for f in fine if f[0] in (TOE, BORDER)
     }
     assert {n for k, n in coarse if k == BORDER} == {1, 2, 3, 4}
+    # Clamped, a border is still its own bolt's: the plane had been counted as the first of five.
+    places = np.array(U.places)[:, :2]
+    for zone in found:
+        lines = zone.lines.points[:, :2]
+        nearest_bolt = np.linalg.norm(lines[:, None] - places, axis=-1).argmin(axis=1) + 1
+        numbers = np.array([n for _, n in zone.features])[zone.feature[len(zone.own) :]]
+        borders = zone.kind[len(zone.own) :] == BORDER
+        assert (numbers == nearest_bolt)[borders].all()
     # Each rib's weld meets the sheet in one toe and the rib in another.
     assert len({f for f in coarse if f[0] == TOE}) == 4
     assert {f for f in clamped if f[0] == TOE} == {f for f in coarse if f[0] == TOE}

@@ -54,7 +54,8 @@ def believed_and_so(shape, monkeypatch):
     told = np.array([found.tops[-1][key].max() for key in found.last.zones.features])
     so = np.array([best.get(key, np.nan) for key in found.last.zones.features])
     known = np.isfinite(so)
-    return told[known], found.error[known], so[known]
+    error = np.array([found.error[key] for key in found.last.zones.features])
+    return told[known], error[known], so[known]
 
 
 def test_features_lie_within_what_stands_beside_them(monkeypatch):

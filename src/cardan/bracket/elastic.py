@@ -44,6 +44,8 @@ _STILL = 1e-8
 those of a sheet of 1.5 mm by 0.2 to 1.3e-9, anew at each step: threads add up as they come."""
 _FEW = 3
 """Load vectors whose stress is held at once, in every element."""
+PER_RADIUS = 1.5
+"""Elements to a radius of curvature."""
 _FLAT = 0.3
 """Smallest over largest Jacobian of an element that is trusted at a node."""
 _PATCH = 12
@@ -61,7 +63,7 @@ def mesh(
     degree: int = 2,
     finer: Sequence[tuple[ArrayLike, Metre]] = (),
     grading: float = 0.5,
-    per_radius: float = 1.5,
+    per_radius: float = PER_RADIUS,
 ) -> Any:
     """Mesh a solid of the CAD kernel with tetrahedra that follow its curved faces.
 

@@ -147,8 +147,9 @@ def affordable(model: Model) -> Estimate:
         msg += "contact in its bolts takes that: leave out `bolts`, or check the bracket's sizes"
     else:
         msg += (
-            f"a sheet of {model.thickness / mm:.2g} mm asks for such elements at its bolts and "
-            "bends, whatever `element_mm` says: check its thickness, and how large it is"
+            f"a sheet of {model.thickness / mm:.2g} mm asks for such elements at its bolts, bends "
+            "and rounds, whatever `element_mm` says: check its thickness, how large it is, and "
+            "whether small rounds need be drawn"
         )
     raise DesignError(msg, about="bracket")
 

@@ -12,13 +12,13 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray
+from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.units import Metre
 from cardan.bracket.afar import from_afar
 from cardan.bracket.elastic import Elastic, IntArray, Nodes, Progress, elastic, mesh, silent
 from cardan.bracket.stress import some, superpose, von_mises
 from cardan.bracket.surface import OnSurface, nearest
-from cardan.bracket.zones import TOE, Zones, zones_of
+from cardan.bracket.zones import NEAR, TOE, Zones, zones_of
 from cardan.model.bracket import ZONES
 from cardan.model.material import Material
 
@@ -41,6 +41,10 @@ _ALONG = 0.6
 _READ = 0.5
 """Of the way from a toe to where its stress is read, an element there: as long as that way, the
 toe of a sharp end read 110 MPa where halves, thirds and fifths read 77."""
+_LONG, _SHORT = 1.5, 0.6
+"""Ways to where structural stress is read that elements there may be long; and what it may be short
+of by each way more. Where a clamped plane ends round a bend, elements 1.2 and 1.4 thicknesses long
+read 1 / 1.8 and 1 / 2.2 of what is there, those of 0.6 within a twentieth."""
 _MOMENTS = 24
 """Of a history, by which loads are compared."""
 _TWICE = 2
@@ -132,10 +136,8 @@ class Refined:
     ----------
     last, firm
         On the last mesh; held the second way where the problem has one.
-    features
-        Those of either way to be held (kind, number).
-    error : (features,) 1
-        Share of each feature's highest stress that its error may be.
+    error
+        Share of the highest stress of each feature that its error may be, held either way.
     tops
         Highest von Mises stress (loads,) Pa of each feature, on each mesh, of both ways the worse.
     watched : (w, c, 6) Pa
@@ -146,8 +148,7 @@ class Refined:
 
     last: Solution
     firm: Solution | None
-    features: tuple[Feature, ...]
-    error: FloatArray
+    error: dict[Feature, float]
     tops: tuple[Tops, ...]
     watched: FloatArray
     watched_error: FloatArray
@@ -244,20 +245,22 @@ def refined(
             break
         if (
             level >= _TWICE
-            and _settled([look.tops for look in looks], weight)
+            and _settled(looks, weight)
             and (not len(points) or looks[-1].moved.max() <= _STILL)
         ):
             break
         wanted += map(_rounded, looks[-1].finer)
     drawn = nearest(ways[0].elastic.nodes, points)
+    tops, watched = [look.tops for look in looks], [look.watched for look in looks]
+    error = _of_features(tops, looks[-1].off, weight)
     if both and len(ways) == 1:
         ways.append(held_anew(problem, ways[0], tell=tell))
-    tops, watched = [look.tops for look in looks], [look.watched for look in looks]
+        short = _Field.of(ways[1], combos, problem.thickness).short
+        error |= {f: max(share, error.get(f, UNSETTLED)) for f, share in short.items()}
     return Refined(
         last=ways[0],
         firm=ways[1] if both else None,
-        features=tuple(looks[-1].off),
-        error=_of_features(tops, looks[-1].off, weight),
+        error=error,
         tops=tuple(tops),
         watched=drawn.of(ways[0].elastic.nodes, ways[0].stress),
         watched_error=_share(np.maximum(_drift(watched), looks[-1].off_watched), watched),
@@ -270,8 +273,9 @@ class _Look:
 
     Attributes
     ----------
-    tops, off
-        Highest von Mises stress (k,) Pa of each feature, and what its error may be.
+    tops, may_be, off
+        Highest von Mises stress (k,) Pa of each feature, what it may be as far as elements are too
+        large to read it, and what its error may be.
     watched, off_watched, moved : (w, k) Pa, (w, k) Pa, (w,) 1
         The same of the points that are watched, and how far they moved.
     firm_matters
@@ -281,6 +285,7 @@ class _Look:
     """
 
     tops: Tops
+    may_be: Tops
     off: Tops
     watched: FloatArray
     off_watched: FloatArray
@@ -300,9 +305,9 @@ def _look(
 ) -> _Look:
     """Search a mesh, held in one or two ways, under loads (k, c)."""
     first = len(before) < _TWICE
-    fields = [_Field.of(way, combos) for way in ways]
-    of_ways = [f.tops for f in fields]
-    tops = _worse(of_ways, of_ways)
+    fields = [_Field.of(way, combos, problem.thickness) for way in ways]
+    of_ways, could = [f.tops for f in fields], [f.may_be for f in fields]
+    tops, may_be = _worse(of_ways, of_ways), _worse(could, could)
     nodes = ways[0].elastic.nodes
     drawn = nearest(nodes, points)
     watched = drawn.of(nodes, von_mises(fields[0].smooth))
@@ -320,12 +325,13 @@ def _look(
                 off_watched[g.watched, g.load] = max(off_watched[g.watched, g.load], taken)
             else:
                 into[g.feature][g.load] = max(into[g.feature][g.load], taken)
-        finer += _worst_places(field_, tops, weight, problem.thickness, first=first)
+        finer += _worst_places(field_, tops, may_be, weight, problem.thickness, first=first)
         finer += _taking(field_.found, asked, afar)
     finer += _round(ways[0], drawn.points, watched, rough, moved=moved)
+    off = {f: np.maximum(o, may_be[f] - tops[f]) for f, o in _worse(of_ways, offs).items()}
     return _Look(
-        tops=tops, off=_worse(of_ways, offs), watched=watched, off_watched=off_watched,
-        moved=moved, firm_matters=_firm_matters(fields[0].tops, tops, weight), finer=finer,
+        tops=tops, may_be=may_be, off=off, watched=watched, off_watched=off_watched, moved=moved,
+        firm_matters=_firm_matters(fields[0].may_be, tops, may_be, weight), finer=finer,
     )  # fmt: skip
 
 
@@ -379,8 +385,12 @@ class _Field:
         Stress at the nodes, and what the elements that meet there disagree by.
     level : (places, k) Pa
         Von Mises stress where fatigue is asked.
-    tops, where
-        The highest of each feature, and at which place.
+    edge : (places,) m
+        Of the elements it is read from.
+    could : (places, k) Pa
+        What it may be, as far as those are too large to read it.
+    tops, where, may_be
+        The highest of each feature, at which place, and what it may be.
     """
 
     found: Solution
@@ -388,19 +398,34 @@ class _Field:
     smooth: FloatArray
     scatter: FloatArray
     level: FloatArray
+    edge: FloatArray
+    could: FloatArray
     tops: Tops
     where: dict[Feature, IntArray]
+    may_be: Tops
 
     @classmethod
-    def of(cls, found: Solution, combos: FloatArray) -> "_Field":
+    def of(cls, found: Solution, combos: FloatArray, thickness: Metre) -> "_Field":
         """Return the field of a solution under loads (k, c)."""
         moved_by, smooth = combos @ found.displacements, superpose(found.stress, combos)
         level = von_mises(superpose(found.unit, combos))
-        features, highest, where = found.zones.features, *_tops(found.zones, level)
-        return cls(
-            found, moved_by, smooth, found.elastic.scatter(moved_by, smooth), level,
-            dict(zip(features, highest, strict=True)), dict(zip(features, where, strict=True)),
-        )  # fmt: skip
+        zones, edge = found.zones, _edge_at_places(found)
+        short = _SHORT * np.maximum(edge / (NEAR * thickness) - _LONG, 0.0)
+        short[: len(zones.own)] = 0.0  # there elements that are too large disagree
+        could = level * (1 + short)[:, None]
+        highest, where = _tops(zones, level)
+        tops, at, may_be = (
+            dict(zip(zones.features, of, strict=True))
+            for of in (highest, where, _tops(zones, could)[0])
+        )
+        scatter = found.elastic.scatter(moved_by, smooth)
+        return cls(found, moved_by, smooth, scatter, level, edge, could, tops, at, may_be)
+
+    @property
+    def short(self) -> dict[Feature, float]:
+        """Share of its top that each feature may be higher, where elements are too large."""
+        most = {f: top.max() / max(self.tops[f].max(), 1e-300) for f, top in self.may_be.items()}
+        return {f: float(m) - 1 for f, m in most.items()}
 
     def told_by_elements(self) -> Tops:
         """Return half of what elements disagree by (k,) Pa at tops, carried on to toes."""
@@ -426,11 +451,11 @@ def _worse(tops: Sequence[Tops], values: Sequence[Tops]) -> Tops:
     return found
 
 
-def _firm_matters(sliding: Tops, worse: Tops, weight: FloatArray) -> bool:
-    """Whether a top that is among the worst is higher than it is with the flange sliding."""
-    counts = _shares(worse, weight) >= _AMONG
-    less = np.stack([sliding.get(f, 0.0 * top) for f, top in worse.items()])
-    return bool((counts & (np.stack([*worse.values()]) > _HIGHER * less)).any())
+def _firm_matters(sliding: Tops, tops: Tops, may_be: Tops, weight: FloatArray) -> bool:
+    """Whether a top that may be among the worst may be higher than with the flange sliding."""
+    counts = _shares(may_be, weight, tops) >= _AMONG
+    less = np.stack([sliding.get(f, 0.0 * top) for f, top in may_be.items()])
+    return bool((counts & (np.stack([*may_be.values()]) > _HIGHER * less)).any())
 
 
 def _shares(tops: Tops, weight: FloatArray, of: Tops | None = None) -> FloatArray:
@@ -530,6 +555,13 @@ def _tops(zones: Zones, level: FloatArray) -> tuple[FloatArray, IntArray]:
     return np.take_along_axis(level, places, axis=0), places
 
 
+def _edge_at_places(found: Solution) -> FloatArray:
+    """Return the edge (places,) m of the elements that the stress of each place is read from."""
+    nodes, zones = found.elastic.nodes, found.zones
+    edge = _edge(nodes)
+    return np.concatenate([edge[zones.own], edge[nodes.faces[zones.lines.near.faces]].mean(axis=1)])
+
+
 def _edge(nodes: Nodes) -> FloatArray:
     """Mean edge (n,) m of the triangles that meet at each node of the surface."""
     corners = nodes.points[nodes.faces[:, :3]]
@@ -542,21 +574,24 @@ def _edge(nodes: Nodes) -> FloatArray:
 
 
 def _worst_places(
-    mine: _Field, tops: Tops, weight: FloatArray, thickness: Metre, *, first: bool
+    mine: _Field, tops: Tops, may_be: Tops, weight: FloatArray, thickness: Metre, *, first: bool
 ) -> Iterator[tuple[FloatArray, Metre]]:
     """Yield where the next mesh is to be finer, with the edge wanted there."""
     zones, nodes, level = mine.found.zones, mine.found.elastic.nodes, mine.level
-    highest = np.stack([*mine.tops.values()])
-    # What the other way to be held makes higher by far is looked at there.
-    makes = _HIGHER * highest >= np.stack([tops[f] for f in mine.tops])
-    share = np.where(makes, _shares(mine.tops, weight, tops), 0.0)
-    worst, feature = (share >= _AMONG)[zones.feature], highest[zones.feature]
+
+    def worst_of(own: Tops, either: Tops) -> tuple[BoolArray, FloatArray]:
+        """Return whether the feature of a place is among the worst, and its top."""
+        highest = np.stack([*own.values()])
+        # What the other way to be held makes higher by far is looked at there.
+        makes = _HIGHER * highest >= np.stack([either[f] for f in own])
+        among = makes & (_shares(own, weight, tops) >= _AMONG)
+        return among[zones.feature], highest[zones.feature]
+
+    worst, feature = worst_of(mine.tops, tops)
     among = worst & (level >= _HIGH * feature)
     off = _at_places(mine.found, mine.scatter)
     rough = np.where(among, off / np.maximum(level, 1e-300), 0.0).max(axis=1)
-    edge = _edge(nodes)
-    near = zones.lines.near
-    here = np.concatenate([edge[zones.own], edge[nodes.faces[near.faces]].mean(axis=1)])
+    near, here = zones.lines.near, mine.edge
     finer = here * np.clip(np.sqrt(_TOLD / np.maximum(rough, 1e-300)), 0.35, 1.0)
     if first:
         # That elements agree is no proof, at a face least of all: tops are looked at twice.
@@ -565,7 +600,9 @@ def _worst_places(
     # Where structural stress is read, elements are to be no larger than the distance between;
     # from a toe half of it, by the thickness of its own plate, along all of it that may be worst.
     own = len(zones.own)
-    fit = np.where(among.any(axis=1), 0.4 * thickness, np.inf)[own:]
+    may_be_worst, feature_could = worst_of(mine.may_be, may_be)
+    read = among | (may_be_worst & (mine.could >= _HIGH * feature_could))
+    fit = np.where(read.any(axis=1), NEAR * thickness, np.inf)[own:]
     along = (worst & (level >= _ALONG * feature)).any(axis=1)
     toe = (along & (zones.kind == TOE))[own:] & zones.lines.room
     reach = np.linalg.norm(near.points - zones.lines.points, axis=1)
@@ -600,17 +637,21 @@ def _moved(before: FloatArray, last: FloatArray) -> FloatArray:
     return step / np.maximum(last.max(axis=-1, initial=0.0), 1e-300)
 
 
-def _settled(tops: list[Tops], weight: FloatArray) -> bool:
-    """Whether the last mesh moved no top that is among the worst by more than it may."""
-    last, before = tops[-1], tops[-2]
-    high = np.stack([*last.values()])
+def _settled(looks: Sequence[_Look], weight: FloatArray) -> bool:
+    """Whether the last mesh moved no top that is among the worst by more than it may.
+
+    Nor has one that may be among them from elements much too large to read it.
+    """
+    last, before, may_be = looks[-1].tops, looks[-2].tops, looks[-1].may_be
+    high, could = (np.stack([*t.values()]) for t in (last, may_be))
     step = np.abs(high - np.stack([before.get(key, 0.0 * top) for key, top in last.items()]))
-    counts = _shares(last, weight) >= _AMONG
-    return not (step > _STILL * high)[counts].any()
+    moved = (step > _STILL * high) & (_shares(last, weight) >= _AMONG)
+    short = (could > (1 + UNSETTLED) * high) & (_shares(may_be, weight, last) >= _AMONG)
+    return not (moved | short).any()
 
 
-def _of_features(tops: Sequence[Tops], off: Tops, weight: FloatArray) -> FloatArray:
-    """Return the share (f,) of a feature's top that its error may be.
+def _of_features(tops: Sequence[Tops], off: Tops, weight: FloatArray) -> dict[Feature, float]:
+    """Return the share of each feature's top that its error may be.
 
     Only the worst are followed until they settle. Of others one mesh after the other is alike,
     and says little.
@@ -622,7 +663,8 @@ def _of_features(tops: Sequence[Tops], off: Tops, weight: FloatArray) -> FloatAr
     error, high = _share(_drift(highs) + np.stack([*off.values()]), highs), highs[-1]
     settled = (_shares(last, weight) >= _AMONG).any(axis=1)
     anywhere = _ANYWHERE * high.max() / np.maximum(high.max(axis=1), 1e-300)
-    return np.maximum(np.where(settled, error, np.maximum(error, UNSETTLED)), anywhere)
+    share = np.maximum(np.where(settled, error, np.maximum(error, UNSETTLED)), anywhere)
+    return dict(zip(last, share.tolist(), strict=True))
 
 
 def _drift(tops: list[FloatArray]) -> FloatArray:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from cardan.base.errors import CardanError, DesignError
 from cardan.base.units import Metre, mm
+from cardan.bracket.elastic import PER_RADIUS
 from cardan.bracket.engine import engine
 from cardan.model.bracket import Hold, LShape, Pick, Shape, StepShape, UShape, Vector
 
@@ -38,8 +39,12 @@ _TIE = 0.01
 """mm, by which another face may be farther from a point that picks one."""
 _PAD = 4.0
 """Radii of a hole, from its axis, that a pad about it may reach."""
+_ASKEW = 1e-5
+"""Sine of the angle between a bolt and an axis that is a drawing's last digits."""
 _ROUND = 0.75
 """Of a turn that a bolt's hole goes at least, cut into or not; a slot's end goes by half."""
+_SMALL = 0.4
+"""Of its thickness, a round that breaks a corner of it; an estimate knows larger ones as bends."""
 _WIDE = 3.0
 """Times its thickness, a round whose elements that thickness bounds, and not its radius alone."""
 _NEAR = 1e-3  # mm: faces of a drawing meet far closer, and none is smaller
@@ -312,6 +317,7 @@ def _from_step(part: StepShape) -> Solid:
     rings: list[tuple[str, Any]] = []
     imprints: list[Any] = []
     long: list[float] = []
+    upright: list[int] = []
     round_: set[int] = set()
     seat: tuple[list[Any], _Cylinder | None] = [], None
     for name, picks in wanted:
@@ -346,6 +352,7 @@ def _from_step(part: StepShape) -> Solid:
             continue
         if bore is not None:
             _all_round(bore, [faces[k] for k in walls], part, name)
+            upright.append(_along_an_axis(bore, part, name, upright))
         long += [_length(faces[k], bore) for k in walls]
         flat = sorted(mine - walls.keys())
         for k in flat:
@@ -463,6 +470,12 @@ def longest_on(face: Any, thickness: Metre) -> Metre:
     if of is None or of.radius < _WIDE * thickness:
         return np.inf
     return float(np.sqrt(0.8 * of.radius * thickness))
+
+
+def round_off(face: Any, thickness: Metre) -> Metre:
+    """Edge of the elements on a round that breaks a sheet's corner: endless on any other face."""
+    of = _cylinder(face)
+    return of.radius / PER_RADIUS if of and of.radius < _SMALL * thickness else np.inf
 
 
 def _cylinder(face: Any) -> _Cylinder | None:
@@ -629,6 +642,29 @@ def _all_round(bore: _Cylinder, walls: list[Any], part: StepShape, name: str) ->
             "degrees: of a slot nobody knows where its bolt sits, draw a round hole there"
         )
         raise DesignError(msg, about=_about(name))
+
+
+def _along_an_axis(bore: _Cylinder, part: StepShape, name: str, before: Sequence[int]) -> int:
+    """Return the axis a bolt lies along; refuse one askew, or along another than those before.
+
+    Its washer's plane would be found nowhere, and its hole's wall alone would hold the bracket.
+    """
+    along = np.abs(bore.axis)
+    axis = int(along.argmax())
+    direction = ", ".join(f"{round(float(v), 4) + 0.0:g}" for v in bore.axis)
+    if np.sort(along)[1] > _ASKEW:
+        msg = (
+            f"{name}: its hole in {part.path} lies along ({direction}), and a flange is held along "
+            "x, y or z: turn the file so that its bolts lie along one of these"
+        )
+        raise DesignError(msg, about=_about(name))
+    if before and axis != before[0]:
+        msg = (
+            f"{name}: its hole in {part.path} lies along {'xyz'[axis]}, and that of a bolt before "
+            f"it along {'xyz'[before[0]]}: all bolts of a bracket are held along one axis"
+        )
+        raise DesignError(msg, about=_about(name))
+    return axis
 
 
 def _round_its_hole(body: Any, faces: list[Any], picked: int, part: StepShape, name: str) -> None:

@@ -23,14 +23,13 @@ from cardan.bracket.gauges import influence, misplaced
 from cardan.bracket.joint import PATCH, Joint, condensed, forces_of
 from cardan.bracket.refine import (
     LEVELS,
-    UNSETTLED,
     Problem,
     Refined,
     Solution,
     refined,
     telling,
 )  # fmt: skip
-from cardan.bracket.shape import MOUNT, WASHER, Picked, Solid, longest_on, solid
+from cardan.bracket.shape import MOUNT, WASHER, Picked, Solid, longest_on, round_off, solid
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS, Units, unit_loads
 from cardan.bracket.zones import Zones
@@ -342,7 +341,7 @@ def solve(task: Task, tell: Progress) -> Solved:
         stress=done.last.stress,
         sliding=sliding,
         clamped=clamped,
-        error=_errors(done, clamped),
+        error=done.error,
         influence_change=float(changed.max() / np.abs(last).max()) if last.size else 0.0,
         unknowns=done.last.elastic.unknowns,
         meshes=len(done.tops),
@@ -364,6 +363,8 @@ def _asked_of_faces(body: Solid, size: Metre, *, bolted: bool) -> float:
         if edge < size:
             face.maxh = edge
             finer += triangles(face.mass, edge)
+        elif (small := round_off(face, body.thickness)) < size:  # the mesher asks by itself
+            finer += triangles(face.mass, small)
     return finer
 
 
@@ -473,10 +474,3 @@ def _bolted(body: Solid, done: Refined, task: Task, tell: Progress) -> Bolted:
         thickness=body.thickness, read=read, tell=tell,
     )  # fmt: skip
     return Bolted(joint=joint, places=tuple(places))
-
-
-def _errors(done: Refined, clamped: Held) -> dict[tuple[int, int], float]:
-    """Return the error of each feature; what was followed under neither way is not known."""
-    shares: list[float] = done.error.tolist()
-    known: dict[tuple[int, int], float] = dict(zip(done.features, shares, strict=True))
-    return dict.fromkeys(clamped.zones.features, UNSETTLED) | known

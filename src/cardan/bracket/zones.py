@@ -21,10 +21,13 @@ from cardan.model.bracket import ZONES
 
 SHEET, CUT, TOE, BORDER = range(len(ZONES))
 
-_NEAR, _FAR = 0.4, 1.0
+NEAR, _FAR = 0.4, 1.0
 """Where the structural stress is read, in thicknesses from the toe."""
-_CORNER = -45 * deg
-"""Faces that turn away from each other by more meet in a corner of the sheet."""
+_CORNER = -30 * deg
+"""Faces that turn away from each other by more meet in a corner of the sheet, or in half of one
+that is broken: a chamfer's edges turn by 45 degrees each, to a drawing's last digits."""
+_BROKEN, _BENT = 0.25, np.cos(22.5 * deg)
+"""Half the width of a face that rounds a corner off, in thicknesses; how far it bends at least."""
 _NARROW = 0.6
 """A face is a cut edge where no point of it lies farther from a corner, in thicknesses."""
 
@@ -82,7 +85,7 @@ class Lines:
     @property
     def _slope(self) -> FloatArray:
         """How much of the step from far to near (k,) is carried on to the toe."""
-        return np.where(self.room, _NEAR / (_FAR - _NEAR), 0.0)
+        return np.where(self.room, NEAR / (_FAR - NEAR), 0.0)
 
 
 @dataclass(frozen=True)
@@ -145,8 +148,7 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     border = ~on_held[here] & on_held[there]
     toe = ~on_held[here] & ~on_held[there] & ~weld[here]
     toe &= weld[there] | (edges.turn > RE_ENTRANT)
-    corner = _along(nodes, edges[edges.turn < _CORNER])
-    cut = _narrow_faces(nodes, corner, _NARROW * thickness) & ~weld
+    cut = _cut(nodes, edges, thickness)[nodes.face_numbers] & ~weld & (names != SEAT)
     at = edges[border | toe]
     lines = _lines(nodes, at, thickness=thickness)
     welded = np.char.startswith(names[at.others].astype(str), END)
@@ -166,9 +168,10 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     face_of = _face_of(nodes, cut=cut, left_out=on_held | weld)
     clear = np.ones(len(surface), dtype=bool)
     if len(lines.points):
-        # What lies as near a toe as its stress is read is the toe's own business.
+        # What lies nearer a toe than its stress is read is the toe's own business. No farther:
+        # between there and the second reading a fillet may stand higher than both.
         away, _ = cKDTree(nodes.points[np.unique(at.nodes)]).query(nodes.points[surface])
-        clear = away > 0.99 * _FAR * thickness
+        clear = away > 0.99 * NEAR * thickness
     asked = clear & (face_of[surface] >= 0)
     own = surface[asked]
     own_kind = np.where(cut[face_of[own]], CUT, SHEET)
@@ -180,7 +183,9 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     # Numbered over all the drawing has, so that a face keeps its number however it is held
     # and meshed.
     every_face = np.unique(nodes.face_numbers).tolist()
-    bolts = sorted({_bolt(str(n)) for n in names[on_held]}, key=_counted)
+    # However it is held: of a clamped plane, and of a welded end, nobody asks a bolt's border.
+    held_names = {str(n) for n in names[on_held]} - {MOUNT}
+    bolts = sorted({_bolt(n) for n in held_names if not n.startswith(END)}, key=_counted)
     ranks = {SHEET: every_face, CUT: every_face, BORDER: bolts,
              TOE: np.unique(chains[line_kind == TOE]).tolist()}  # fmt: skip
     known = sorted(set(keys), key=lambda key: (key[0], ranks[key[0]].index(key[1])))
@@ -223,18 +228,57 @@ def _along(nodes: Nodes, edges: Edges) -> FloatArray:
     return along.reshape(-1, 3)
 
 
-def _narrow_faces(nodes: Nodes, corner: FloatArray, width: Metre) -> BoolArray:
-    """Whether each triangle (f,) lies on a face no point of which is far from a corner."""
+def _cut(nodes: Nodes, edges: Edges, thickness: Metre) -> BoolArray:
+    """Whether each face of the drawing is a cut edge of the sheet, (faces,).
+
+    That is a face no point of which is far from a corner; and with it what breaks its corners,
+    which by itself is none: so are the edges of a thick block.
+    """
+    breaks, rounds = _breaking(nodes, edges, _BROKEN * thickness)
+    round_ = nodes.points[np.unique(nodes.faces[rounds[nodes.face_numbers]])]
+    corner = np.concatenate([_along(nodes, edges[edges.turn < _CORNER]), round_])
+    cut = (_farthest(nodes, corner) <= _NARROW * thickness) & ~breaks
+    face, other = (nodes.face_numbers[of] for of in (edges.faces, edges.others))
+    beside = np.zeros_like(cut)
+    beside[face[cut[other]]] = True
+    cut |= breaks & beside
+    # Where three broken edges meet a patch lies among them, and is what they are.
+    among, beside = breaks.copy(), np.zeros_like(cut)
+    among[face[~breaks[other]]] = False
+    beside[face[cut[other]]] = True
+    return cut | (among & beside)
+
+
+def _breaking(nodes: Nodes, edges: Edges, width: Metre) -> tuple[BoolArray, BoolArray]:
+    """Return which faces (faces,) break a corner of the sheet, and which of them by a round.
+
+    Such a face is narrow. A round bends from one of its edges to the other, and outwards; a
+    chamfer turns half of a corner at each.
+    """
+    face, count = nodes.face_numbers[edges.faces], int(nodes.face_numbers.max()) + 1
+    mean = np.zeros((count, 3))
+    np.add.at(mean, face, edges.normals)
+    mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-300)
+    bent, outwards = np.ones(count), np.zeros(count)
+    np.minimum.at(bent, face, (mean[face] * edges.normals).sum(-1))
+    np.add.at(outwards, face, ((mean[face] - edges.normals) * edges.into).sum(-1))
+    turn = np.bincount(face, edges.turn, count) / np.maximum(np.bincount(face, minlength=count), 1)
+    narrow = _farthest(nodes, _along(nodes, edges)) <= width
+    rounds = narrow & (bent < _BENT) & (outwards > 0)
+    return rounds | (narrow & (turn < _CORNER) & (turn > 2 * _CORNER)), rounds
+
+
+def _farthest(nodes: Nodes, points: FloatArray) -> FloatArray:
+    """Return how far from points (k, 3) m the farthest of each face of the drawing is, (faces,)."""
     from scipy.spatial import cKDTree
 
-    if not len(corner):
-        return np.zeros(len(nodes.faces), dtype=bool)
-    away = np.zeros(len(nodes.points))
-    away[nodes.surface] = cKDTree(corner).query(nodes.points[nodes.surface])[0]
     farthest = np.zeros(int(nodes.face_numbers.max()) + 1)
+    if not len(points):
+        return farthest + np.inf
+    away = np.zeros(len(nodes.points))
+    away[nodes.surface] = cKDTree(points).query(nodes.points[nodes.surface])[0]
     np.maximum.at(farthest, nodes.face_numbers, away[nodes.faces].max(axis=1))
-    seat = nodes.face_names == SEAT
-    return (farthest[nodes.face_numbers] <= width) & ~seat
+    return farthest
 
 
 def _face_of(nodes: Nodes, *, cut: BoolArray, left_out: BoolArray) -> IntArray:
@@ -289,8 +333,8 @@ def _lines(nodes: Nodes, edges: Edges, *, thickness: Metre) -> Lines:
         empty = np.zeros((0, 3, 3))
         return Lines(start, start, empty, empty, empty, none, none, np.zeros(0, dtype=bool))
     t = depth(nodes, start + 0.3 * thickness * edges.into, edges.normals, usual=thickness)
-    near, near_frame, ok = _step(nodes, start, frame, _NEAR * t)
-    far, far_frame, ok_too = _step(nodes, near.points, near_frame, (_FAR - _NEAR) * t)
+    near, near_frame, ok = _step(nodes, start, frame, NEAR * t)
+    far, far_frame, ok_too = _step(nodes, near.points, near_frame, (_FAR - NEAR) * t)
     return Lines(
         points=start, normals=edges.normals, frames=frame,
         near_frames=near_frame, far_frames=far_frame, near=near, far=far, room=ok & ok_too,

@@ -86,8 +86,8 @@ def catalogue(
 ) -> None:
     """List what is on a shelf, or what of it carries a torque, with source and how it was read.
 
-    KIND is joints, tubes, materials, plies, details, tyres, bearings, limits, torsion or
-    typical; without one they are counted. NAME leaves the rows that it is a part of; of one
+    KIND is joints, tubes, materials, plies, details, metals, tyres, bearings, limits, torsion
+    or typical; without one they are counted. NAME leaves the rows that it is a part of; of one
     row everything is shown. A star says that some of a row's values were read otherwise.
     """
     from cardan.files.shelf import SHELVES

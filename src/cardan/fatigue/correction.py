@@ -12,7 +12,8 @@ from typing import TypeAlias
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
-from cardan.base.units import MPa, Pascal
+from cardan.base.units import Pascal
+from cardan.fatigue.detail import STEEL
 
 Correction: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
 
@@ -95,4 +96,4 @@ def fkm(amplitude: ArrayLike, mean: ArrayLike, *, sensitivity: float) -> FloatAr
 
 def mean_sensitivity(ultimate: Pascal) -> float:
     """Mean-stress sensitivity M of steel: 0.35e-3 Rm/MPa - 0.1. Source: FKM guideline."""
-    return max(0.35e-3 * ultimate / MPa - 0.1, 0.0)
+    return STEEL.sensitivity(ultimate)

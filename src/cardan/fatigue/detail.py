@@ -1,9 +1,11 @@
 """How a cut edge or a weld bears: by classes of codes, which count ranges and stress ratios."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from cardan.base.arrays import ArrayLike, FloatArray
-from cardan.base.units import Pascal
+from cardan.base.units import MPa, Pascal
 
 
 def at_knee(stress_range: Pascal, *, cycles: float, slope: float) -> Pascal:
@@ -28,21 +30,53 @@ def ratio_bonus(amplitude: ArrayLike, mean: ArrayLike) -> FloatArray:
     return a / np.clip(1.2 - 0.4 * R, 1.0, 1.6)
 
 
-def roughness_factor(roughness: float, *, ultimate: Pascal) -> float:
-    """K_R = 1 - 0.22 lg(Rz/um) lg(2 Rm / 400 MPa) of steel; 1 for what is polished.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Endurance:
+    """What a kind of metal bears in fatigue, by its tensile strength. Steel's as they stand.
 
-    Source: FKM guideline, Analytical Strength Assessment, 6th ed., section 2.3.1.4; quoted from
-    memory, not re-read. Rz 200 um stands for a rolled, forged or cast skin.
+    Attributes
+    ----------
+    share
+        f of the amplitude f Rm, fully reversed in tension and compression, of a polished bar.
+    rough : 1, Pa
+        a and Rm,N,min, by which a rough skin lowers it.
+    mean : 1 / Pa, 1
+        a and b of the mean-stress sensitivity M = a Rm + b.
+
+    Notes
+    -----
+    Source: FKM guideline, Analytical Strength Assessment, 6th ed., sections 2.2.1 (f), 2.3.1.4
+    (roughness), 2.4.2 (M). How each was read stands in the catalogue's `metals.csv`.
     """
+
+    share: float = 0.45
+    rough: tuple[float, Pascal] = (0.22, 400 * MPa)
+    mean: tuple[float, float] = (0.35e-3 / MPa, -0.1)
+
+    def sensitivity(self, ultimate: Pascal) -> float:
+        """M, the slope of the Haigh line between R = -1 and 0."""
+        a, b = self.mean
+        return max(a * ultimate + b, 0.0)
+
+
+STEEL = Endurance()
+
+
+def roughness_factor(roughness: float, *, ultimate: Pascal, of: Endurance = STEEL) -> float:
+    """K_R = 1 - a lg(Rz/um) lg(2 Rm / Rm,N,min); 1 for what is polished.
+
+    Source: FKM guideline, Analytical Strength Assessment, 6th ed., section 2.3.1.4. Rz 200 um
+    stands for a rolled, forged or cast skin.
+    """
+    a, least = of.rough
     if not roughness > 1e-6:
         return 1.0
-    return float(min(1.0, 1 - 0.22 * np.log10(roughness / 1e-6) * np.log10(2 * ultimate / 400e6)))
+    return float(min(1.0, 1 - a * np.log10(roughness / 1e-6) * np.log10(2 * ultimate / least)))
 
 
-def sheet_amplitude(ultimate: Pascal, *, roughness: float) -> Pascal:
-    """Amplitude of steel at a million cycles, fully reversed: 0.45 Rm K_R.
+def sheet_amplitude(ultimate: Pascal, *, roughness: float, of: Endurance = STEEL) -> Pascal:
+    """Amplitude at a million cycles, fully reversed: f Rm K_R; of steel f is 0.45.
 
-    Source: FKM guideline, 6th ed., section 2.2.1: f = 0.45 for steel in tension and
-    compression; slope 5 and knee 1e6 belong to it. Quoted from memory, not re-read.
+    Source: FKM guideline, 6th ed., section 2.2.1; slope 5 and knee 1e6 belong to it.
     """
-    return 0.45 * ultimate * roughness_factor(roughness, ultimate=ultimate)
+    return of.share * ultimate * roughness_factor(roughness, ultimate=ultimate, of=of)

@@ -35,6 +35,7 @@ from cardan.border.table import (
 )  # fmt: skip
 from cardan.fatigue.detail import sheet_amplitude
 from cardan.files.catalogue import ADetail, AMaterial
+from cardan.files.metals import borne, key_of
 from cardan.model.application import Installed
 from cardan.model.bracket import (
     ZONES,
@@ -78,10 +79,8 @@ FORCE_CHANNELS = ("x_N", "y_N", "z_N")
 MICROSTRAIN = ("um/m", "µm/m", "μm/m", "ue", "uE", "µε", "με", "ustrain", "microstrain")
 _SHORTEST = 4
 _MOST = 400
-DEFAULTS: dict[Zone, str] = {
-    "cut edge": "iiw-edge-125", "weld toe": "iiw-hotspot-90", "bolt border": "ec3-bolted-90",
-}  # fmt: skip
-"""Details of the shipped catalogue, where a file says nothing of a zone: the cautious ones."""
+DETAILED: tuple[Zone, ...] = tuple(zone for zone in ZONES if zone != "sheet")
+"""Zones that bear what a detail does."""
 OF_STATES = (
     "static", "order 2", "combined", "peak", "worst point",
     *(f"widest swing, {zone}" for zone in ZONES),
@@ -330,35 +329,50 @@ class FatigueTable(Table):
         default=None,
     )
     cut_edge: ADetail | None = key(
-        f"what cut edges bear, a detail of a catalogue; default {DEFAULTS['cut edge']}",
+        "what cut edges bear, a detail of a catalogue; left out, the cautious one of its metal",
         default=None,
     )
-    weld_toe: ADetail | None = key(
-        f"what the toes of welds bear; default {DEFAULTS['weld toe']}", default=None
-    )
+    weld_toe: ADetail | None = key("what the toes of welds bear; left out as above", default=None)
     bolt_border: ADetail | None = key(
-        f"what the borders of bolts bear; default {DEFAULTS['bolt border']}", default=None
+        "what the borders of bolts bear; left out as above", default=None
     )
 
     def sheet(self, material: Material) -> FatigueCurve:
         """Return the sheet's curve in SI."""
         amplitude = self.amplitude
         if self.roughness is not None:
+            of = borne(material.metal)
+            if of is None:
+                self.at("roughness").refuse(
+                    f"is of metals that the FKM guideline covers, and {material.name} is "
+                    f"{material.metal}",
+                    "give amplitude_MPa, or say the material's metal",
+                )
             if material.ultimate_strength is None:
                 self.at("roughness").refuse(
                     f"needs the ultimate strength of the material, and {material.name} states none",
                     "give it, or amplitude_MPa",
                 )
-            amplitude = sheet_amplitude(material.ultimate_strength, roughness=self.roughness)
+            amplitude = sheet_amplitude(
+                material.ultimate_strength, roughness=self.roughness, of=of.endurance
+            )
         assert amplitude is not None  # one of the two is given
         return FatigueCurve(amplitude=amplitude, cycles=self.cycles, slope=self.slope)
 
-    def details(self) -> dict[Zone, FatigueCurve]:
+    def details(self, material: Material) -> dict[Zone, FatigueCurve]:
         """Return the curves of the zones that the file gives one for."""
-        given: dict[Zone, FatigueCurve | None] = {
-            "cut edge": self.cut_edge, "weld toe": self.weld_toe, "bolt border": self.bolt_border,
-        }  # fmt: skip
-        return {zone: curve for zone, curve in given.items() if curve is not None}
+        given: dict[Zone, FatigueCurve] = {}
+        for zone in DETAILED:
+            curve: FatigueCurve | None = getattr(self, key_of(zone))
+            if curve is None:
+                continue
+            if curve.metal and curve.metal != material.metal.removeprefix("cast "):
+                self.at(key_of(zone)).refuse(
+                    f"{curve.name} is of {curve.metal}, and {material.name} is {material.metal}",
+                    "give its class in place, by range_MPa and slope",
+                )
+            given[zone] = curve
+        return given
 
 
 SIZE, WALL, DISTANCE = (get_args(kind)[1] for kind in (Size, Wall, Distance))
@@ -502,7 +516,7 @@ class BracketTable(Table):
                 element=self.element,
                 order=max(self.order, LEAST_ORDER),
                 fatigue=self.fatigue.sheet(self.material) if self.fatigue else None,
-                details=self.fatigue.details() if self.fatigue else {},
+                details=self.fatigue.details(self.material) if self.fatigue else {},
                 bolts=self.bolts.bolts(shape) if self.bolts else None,
                 search=self.optimise.search(shape) if self.optimise else None,
             )

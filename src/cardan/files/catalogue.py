@@ -59,7 +59,7 @@ from cardan.fatigue.detail import at_knee
 from cardan.files.how_read import HowRead, with_reading
 from cardan.model.bracket import MEANS, FatigueCurve
 from cardan.model.laminate import CompositeTube, Layer, Ply, metal
-from cardan.model.material import STEEL, Material
+from cardan.model.material import METALS, STEEL, Material
 from cardan.model.parts import JointSize, Tube
 
 PLIES = 400
@@ -110,6 +110,13 @@ class MaterialTable(Table):
     yield_: Strength | None = key("yield strength", default=None)
     ultimate: Strength | None = key("ultimate strength", default=None)
     fatigue_shear: Strength | None = key("fatigue limit in alternating shear", default=None)
+    metal: Annotated[str, Choice(*METALS)] | None = key(
+        "what metal it is; left out, steel if its modulus is 180 GPa or more, else other",
+        default=None,
+    )
+    welded_yield: Strength | None = key(
+        "yield strength beside a weld, where its heat lowers it, as of aluminium", default=None
+    )
     source: Prose | None = key("where the numbers come from", default=None)
     how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
@@ -124,6 +131,8 @@ class MaterialTable(Table):
             yield_strength=self.yield_,
             ultimate_strength=self.ultimate,
             fatigue_shear=self.fatigue_shear,
+            kind=self.metal,  # type: ignore[arg-type]
+            welded_yield=self.welded_yield,
             source=_source(self.source, self.how_read),
         )
 
@@ -367,6 +376,9 @@ class DetailTable(Table):
     mean: Annotated[str, Choice(*MEANS)] = key(
         "how a mean stress counts: none; ratio, by IIW's f(R); goodman", default="none"
     )
+    metal: Annotated[str, Choice(*METALS)] | None = key(
+        "of what metal, where a code says so", default=None
+    )
     source: Prose | None = key("where the numbers come from", default=None)
     how_read: HowRead | None = key(f"how: {READ_AS}", default=None)
     note: Prose | None = key("how far to trust them", default=None)
@@ -376,7 +388,8 @@ class DetailTable(Table):
         knee = at_knee(self.range_, cycles=self.cycles, slope=self.slope)
         return FatigueCurve(
             amplitude=knee, cycles=self.cycles, slope=self.slope, mean=self.mean,  # type: ignore[arg-type]
-            name=self.name, source=_source(self.source, self.how_read),
+            name=self.name, metal=self.metal,  # type: ignore[arg-type]
+            source=_source(self.source, self.how_read),
         )  # fmt: skip
 
 

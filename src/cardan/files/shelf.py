@@ -14,6 +14,7 @@ SHELVES: Mapping[str, str] = {
     "materials": "material",
     "plies": "ply",
     "details": "detail",
+    "metals": "metals.csv",
     "tyres": "tyres.csv",
     "bearings": "bearings.csv",
     "limits": "limits.csv",

@@ -13,7 +13,7 @@ from cardan.base.errors import DesignError
 from cardan.base.frozen import dataclass
 from cardan.base.source import ASSUMED, Source
 from cardan.base.units import Kilogram, Metre, MPa, Pascal, deg, mm
-from cardan.model.material import STEEL, Material
+from cardan.model.material import STEEL, Material, Metal
 from cardan.model.seat import LOSS
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -303,6 +303,8 @@ class FatigueCurve:
     slope: float
     mean: Mean = "goodman"
     name: str = ""
+    metal: Metal | None = None
+    """Of what, where a code says so."""
     source: Source = ASSUMED
 
     def __post_init__(self) -> None:

@@ -17,6 +17,7 @@ from cardan.bracket.gauges import Recovered
 from cardan.bracket.refine import UNSETTLED
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
+from cardan.files.metals import key_of
 from cardan.loads.cycle import major_axis
 from cardan.model.bracket import BracketRecording
 from cardan.report.contract import CONTRACT, check, coverage, operating_point, plain
@@ -29,7 +30,7 @@ from cardan.study.bracket import BracketAnswer
 from cardan.study.bracket_contact import APART, InBolts
 from cardan.study.bracket_forced import FIRM, Forced
 from cardan.study.bracket_judge import Found, Judged, Outcome
-from cardan.study.bracket_life import Endured
+from cardan.study.bracket_life import Endured, strengths
 from cardan.study.finding import BRACKET
 
 MICRO = 1e-6
@@ -71,7 +72,7 @@ def terminal(approval: Approval, say: Language = EN, *, width: int = WIDTH) -> I
     for v in of.variants:
         yield from folded([*crossed(v, say), *response(v, say), *remarks(of, v, say)], width)
     for v in of.variants:
-        yield from _features(v, say, width)
+        yield from _features(of, v, say, width)
         yield from _stresses(v, say, width)
         yield from _readings(v, [gauge.name for gauge in of.bracket.gauges], say, width)
         yield from _lives(of, v, say, width)
@@ -301,7 +302,7 @@ def hours(value: float, say: Language, within: Iterable[float] = (np.nan, np.nan
     return f"{told}\N{NO-BREAK SPACE}({ends[0]}…{ends[1]})"
 
 
-def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
+def _features(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[str]:
     """Yield where a crack may start: each feature's stress, use of its limit, life."""
     yield ""
     yield from _bold(say("{name}, where a crack may start", name=say(v.name)), width)
@@ -326,7 +327,7 @@ def _features(v: Judged, say: Language, width: int) -> Iterator[str]:
         "from 0.4 and 1.0 thicknesses away; the worse of a sliding and a clamped flange."
     )
     yield from folded([f"  {means}"], width)
-    for what in (*in_contact(v, say), *vague(v, say)):
+    for what in (*in_contact(v, say), *vague(v, say), *untold(of, v, say)):
         yield from folded([f"  {what}"], width)
 
 
@@ -475,7 +476,7 @@ def _lives(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[
     yield from _bold(say("{name}, {unit}", name=say(v.name), unit=say("damage")), width)
     rows: list[tuple[str, ...]] = []
     for e in worn(v):
-        where = say.part(v.features[int(e.spots.argmax())].part) if e.worst > 0 else ""
+        where = say.part(v.features[int(np.nanargmax(e.spots))].part) if e.worst > 0 else ""
         told = (
             _small(e.per_turn, say),
             _small(e.per_hour, say),
@@ -488,12 +489,40 @@ def _lives(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[
             say("hours to the first failure"),
         ), rows, width, words=2,
     )  # fmt: skip
-    means = (
-        say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress by Goodman.")
-        if of.bracket.material.ultimate_strength
-        else say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress not counted.")
+    yield from folded([f"  {counted(of, say)} {lies(say)}"], width)
+
+
+def counted(of: BracketAnswer, say: Language) -> str:
+    """Return how damage is counted."""
+    material = of.bracket.material
+    if not material.ultimate_strength:
+        return say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress not counted.")
+    if material.metal == "steel":
+        return say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress by Goodman.")
+    return say(
+        "Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress by Goodman, or by the "
+        "FKM guideline where that makes more of it."
     )
-    yield from folded([f"  {means} {lies(say)}"], width)
+
+
+def untold(of: BracketAnswer, v: Judged, say: Language) -> Iterator[str]:
+    """Yield of which zones nobody knows what they bear, and which a weld's heat makes softer."""
+    material, found = of.bracket.material, strengths(of.bracket)
+    for zone in dict.fromkeys(f.zone for f in v.features if found and f.zone not in found):
+        yield say(
+            "{zone}: no code says what it bears of {metal}, so whether it lasts cannot be told: "
+            "give {key}.",
+            zone=say(zone), metal=say(material.metal), key=f"bracket.fatigue.{key_of(zone)}",
+        )  # fmt: skip
+    if any(f.beside_weld for f in v.features):
+        beside = material.yield_beside_weld
+        yield (
+            say("Beside a weld {material} yields at {stress} MPa: its heat reaches 20 to 40 mm.",
+                material=material.name, stress=say.number(beside / MPa))
+            if beside
+            else say("The heat of a weld makes {material} softer, 20 to 40 mm around it, and "
+                     "nobody says by how much: give its welded_yield_MPa.", material=material.name)
+        )  # fmt: skip
 
 
 def _small(value: float, say: Language) -> str:
@@ -584,6 +613,16 @@ def contract(approval: Approval) -> dict[str, Any]:
             "line": bracket.line,
             "bearing": bracket.bearing,
             "material": bracket.material.name,
+            "metal": bracket.material.metal,
+            "bears": {
+                zone: {
+                    "detail": one.name or None,
+                    "amplitude_MPa": one.curve.amplitude / MPa,
+                    "cycles": one.curve.cycles,
+                    "slope": one.curve.slope,
+                }
+                for zone, one in strengths(bracket).items()
+            },
             "carried_mass_kg": bracket.carried_mass,
             "top_speed_rpm": of.top_speed / rpm if np.isfinite(of.top_speed) else None,
             "variants": [_variant(of, v) for v in of.variants],
@@ -649,6 +688,7 @@ def _variant(of: BracketAnswer, v: Judged) -> dict[str, Any]:
                 "fatigue_utilisation": None if np.isnan(share[k]) else share[k],
                 "life_hours": lasts[k] if np.isfinite(lasts[k]) else None,
                 "life_hours_within": [x if np.isfinite(x) else None for x in within[k].tolist()],
+                "beside_weld": f.beside_weld,
             }
             for k, f in enumerate(v.features)
         ],
@@ -721,7 +761,7 @@ def _life(of: BracketAnswer, e: Endured) -> dict[str, Any]:
         "name": str(e.when),
         "turns": known(e.turns),
         "duration_s": known(e.duration),
-        "hot_spots": e.spots.tolist(),
+        "hot_spots": list(map(known, e.spots.tolist())),
         "gauges": dict(zip((g.name for g in of.bracket.gauges), e.gauges.tolist(), strict=True)),
         "per_turn": known(e.per_turn),
         "per_hour": known(e.per_hour),

@@ -16,6 +16,7 @@ from cardan.report.bracket import (
     SHOWN,
     bent_far,
     better,
+    counted,
     crossed,
     highest,
     hours,
@@ -30,6 +31,7 @@ from cardan.report.bracket import (
     response,
     span,
     telling_cases,
+    untold,
     used,
     vague,
     worn,
@@ -122,7 +124,7 @@ def _compared(of: BracketAnswer, say: Language) -> Table:
             [100 * float(np.nanmax(used(v))) for v in of.variants],
         ))  # fmt: skip
     if all(lives(v) for v in of.variants):
-        worst = [max(float(e.spots.max()) / e.turns for e in lives(v)) for v in of.variants]
+        worst = [max(e.per_turn for e in lives(v)) for v in of.variants]
         rows.append((say("largest damage of a turn of the shaft"), worst))
     return Table(
         caption=say("Original and reinforced") if len(of.variants) > 1 else say("The bracket"),
@@ -214,7 +216,7 @@ def _damage(v: Judged, say: Language) -> Table:
         rows=tuple(
             (
                 say.occasion(e.when),
-                say.part(v.features[int(e.spots.argmax())].part) if e.worst > 0 else "",
+                say.part(v.features[int(np.nanargmax(e.spots))].part) if e.worst > 0 else "",
                 small(e.per_turn),
                 small(e.per_hour),
                 hours(e.hours, say, e.hours_within),
@@ -343,13 +345,13 @@ def _haigh(of: BracketAnswer, say: Language) -> Figure:
     series: list[Series] = []
     means = [float(o.mean[k]) / MPa for o in lasting for k in range(len(v.shown))]
     low, high = min([0.0, *means]), max([1.0, *means])
-    for zone in dict.fromkeys(f.zone for f in v.features):
+    for zone in dict.fromkeys(f.zone for f in v.features if f.zone in found):
         mine = [k for k, f in enumerate(v.features) if f.zone == zone]
         at = [max(mine, key=lambda k: float(np.nan_to_num(o.used[k]))) for o in lasting]
         x = np.array([o.mean[k] for o, k in zip(lasting, at, strict=True)]) / MPa
         y = np.array([o.amplitude[k] for o, k in zip(lasting, at, strict=True)]) / MPa
         series.append(Series(name=say(zone), x=x, y=y, joined=False, points=True))
-    zones: dict[Zone, None] = dict.fromkeys(f.zone for f in v.features)
+    zones: dict[Zone, None] = dict.fromkeys(f.zone for f in v.features if f.zone in found)
     for zone in zones:
         x = np.linspace(low, high, 41)
         # The amplitude that comes to the knee's: halving finds it, for corrections grow with it.
@@ -384,7 +386,7 @@ def notes(of: BracketAnswer, say: Language) -> Iterator[str]:
         yield from dict.fromkeys(told for v in of.variants for told in note(v, say))
     yield from (
         f"{say(v.name)}: {told}"
-        for v in of.variants for told in vague(v, say)
+        for v in of.variants for told in (*vague(v, say), *untold(of, v, say))
     )  # fmt: skip
     if found := strengths(of.bracket):
         yield say(
@@ -408,11 +410,7 @@ def notes(of: BracketAnswer, say: Language) -> Iterator[str]:
     else:
         yield say("Loads are quasi-static: right below the natural frequencies.")
     if any(lives(v) for v in of.variants):
-        yield (
-            say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress by Goodman.")
-            if of.bracket.material.ultimate_strength
-            else say("Damage: rainflow and Miner, 2k - 1 beyond the knee, mean stress not counted.")
-        )
+        yield counted(of, say)
 
 
 def _picture(of: BracketAnswer, say: Language) -> Picture:

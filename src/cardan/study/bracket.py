@@ -24,14 +24,16 @@ from cardan.bracket.refine import LEVELS
 from cardan.bracket.solve import Solved
 from cardan.bracket.unit import UNITS
 from cardan.demand.states import demand, demand_under, resolve
+from cardan.files.metals import key_of
 from cardan.loads.cycle import Cycle
 from cardan.model.application import RIDING, Application
-from cardan.model.bracket import Bracket, BracketCase, Shape
+from cardan.model.bracket import Bracket, BracketCase, Shape, Zone
+from cardan.model.material import Material
 from cardan.quantity.points import Points, every, run
 from cardan.quantity.response import Response, respond
 from cardan.study.bracket_forced import hung, on_rubber, swept
-from cardan.study.bracket_judge import Case, Judged, Mounted, judge
-from cardan.study.bracket_life import loads_of
+from cardan.study.bracket_judge import Case, Feature, Judged, Mounted, judge
+from cardan.study.bracket_life import loads_of, strengths
 from cardan.study.finding import BRACKET, Finding, Tell, limits_of
 
 SAMPLES = 32
@@ -182,13 +184,14 @@ class _Value(NamedTuple):
 
 def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Value]:
     """Yield under which loads, at which point and where what a limit asks about is worst, SI."""
-    strength = of.bracket.material.yield_strength
-    if quantity == "bracket_stress_utilisation" and strength:
-        for o in variant.outcomes:
-            worst = int(np.argmax(o.hot))
-            used, off, least = (v / strength for v in (o.hot, o.error, o.least))
+    if quantity == "bracket_stress_utilisation":
+        bears = np.array([yields(of.bracket.material, f) for f in variant.features])
+        known = np.flatnonzero(np.isfinite(bears))
+        for o in variant.outcomes if len(known) else ():
+            used, off, least = (v[known] / bears[known] for v in (o.hot, o.error, o.least))
+            worst = int(np.argmax(used))
             yield _Value(
-                o.case.when, variant.features[worst].part, float(used[worst]), o.case.point,
+                o.case.when, variant.features[known[worst]].part, float(used[worst]), o.case.point,
                 within=(max(float((least - off).max()), 0.0), float((used + off).max())),
             )  # fmt: skip
     if quantity == "bracket_fatigue_utilisation":
@@ -201,8 +204,9 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
             if o.case.name in measured and not o.case.what and o.life
         )  # fmt: skip
         for endured in (*variant.duty, *lives):
-            for zone in dict.fromkeys(f.zone for f in variant.features):
-                mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
+            for _, mine in _by_zone(variant):
+                if np.isnan(endured.spots[mine]).all():
+                    continue  # nobody knows what it bears
                 worst = max(mine, key=lambda k: float(endured.spots[k]))
                 low, high = (h * hour for h in endured.at(mine).hours_within)
                 yield _Value(
@@ -221,11 +225,26 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
         )  # fmt: skip
 
 
+def yields(material: Material, at: Feature) -> float:
+    """Return at what stress, Pa, a material yields at a feature; nan where nobody knows."""
+    strength = material.yield_beside_weld if at.beside_weld else material.yield_strength
+    return strength or np.nan
+
+
+def _by_zone(variant: Judged) -> list[tuple[Zone, list[int]]]:
+    """Return the zones of a shape, each with its features."""
+    zones: dict[Zone, list[int]] = {}
+    for k, f in enumerate(variant.features):
+        zones.setdefault(f.zone, []).append(k)
+    return list(zones.items())
+
+
 def _fatigue(variant: Judged) -> Iterator[_Value]:
     """Yield for each zone the case, and the feature, that comes nearest its fatigue limit."""
     lasting = [o for o in variant.outcomes if not np.isnan(o.used).all()]
-    for zone in dict.fromkeys(f.zone for f in variant.features) if lasting else ():
-        mine = [k for k, f in enumerate(variant.features) if f.zone == zone]
+    for _, mine in _by_zone(variant):
+        if all(np.isnan(o.used[mine]).all() for o in lasting):
+            continue
         worst = max(lasting, key=lambda o: float(np.nanmax(o.used[mine], initial=0.0)))
         at = max(mine, key=lambda k: float(np.nan_to_num(worst.used[k])))
         part, used = variant.features[at].part, float(worst.used[at])
@@ -238,7 +257,10 @@ def _fatigue(variant: Judged) -> Iterator[_Value]:
 def _unanswered(
     of: BracketAnswer, variant: Judged, limits: Sequence[Limit]
 ) -> Iterator[Unanswered]:
-    """Yield the limits that got no number, with what they need."""
+    """Yield the limits that got no number, with what they need.
+
+    Where a number has nothing of some places, nothing is approved without them.
+    """
     needs = {
         "bracket_stress_utilisation": ("bracket.material with its yield strength",),
         "bracket_fatigue_utilisation": ("bracket.fatigue",),
@@ -246,12 +268,26 @@ def _unanswered(
         "bracket_slip_utilisation": ("bracket.bolts",),
         "bracket_resonance": ("speed_rpm",),
     }
+
+    def missed(limit: Limit, part: Part, *needs: str) -> Unanswered:
+        return Unanswered(
+            limit=limit, line=of.bracket.line, when=Occasion("case", "all"), part=part, needs=needs
+        )
+
+    features = variant.features
+    found = strengths(of.bracket)
+    untold = [zone for zone, _ in _by_zone(variant) if found and zone not in found]
+    soft = [f for f in features if np.isnan(yields(of.bracket.material, f))]
     for limit in limits:
+        must = replace(limit, required=True)
         if not any(_values(of, variant, limit.quantity)):
-            yield Unanswered(
-                limit=limit, line=of.bracket.line, when=Occasion("case", "all"),
-                part=Part("sheet", 1), needs=needs[limit.quantity],
-            )  # fmt: skip
+            yield missed(limit, Part("sheet", 1), *needs[limit.quantity])
+        elif limit.quantity == "bracket_stress_utilisation" and soft:
+            yield missed(must, soft[0].part, "bracket.material with its welded_yield_MPa")
+        elif limit.quantity in ("bracket_fatigue_utilisation", "bracket_life"):
+            for zone in untold:
+                part = next(f.part for f in features if f.zone == zone)
+                yield missed(must, part, f"bracket.fatigue.{key_of(zone)}")
 
 
 def _bracket(application: Application) -> Bracket:

@@ -249,5 +249,6 @@ def _used(
     for kind in np.unique(held.zones.kind[at]).tolist():
         mine = held.zones.kind[at] == kind
         amplitude, mean = (high - low)[mine] / 2, (high + low)[mine] / 2
-        used[mine] = strength[ZONES[kind]].used(amplitude, mean)
+        if one := strength.get(ZONES[kind]):
+            used[mine] = one.used(amplitude, mean)
     return used

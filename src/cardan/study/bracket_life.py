@@ -7,7 +7,7 @@ and the S-N curve make damage by Miner. A history is taken to repeat for ever.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -17,14 +17,14 @@ from cardan.base.part import Occasion
 from cardan.base.units import hour
 from cardan.bracket.stress import along, critical_direction, superpose
 from cardan.bracket.unit import UNITS
-from cardan.fatigue.correction import Correction, goodman, uncorrected
+from cardan.fatigue.correction import Correction, fkm, goodman, uncorrected
 from cardan.fatigue.critical import counted
 from cardan.fatigue.damage import miner
 from cardan.fatigue.detail import ratio_bonus
 from cardan.fatigue.rainflow import rainflow, repeating
 from cardan.fatigue.strength import SNCurve
-from cardan.files.bracket import DEFAULTS
 from cardan.files.catalogue import find
+from cardan.files.metals import AS_SHEET, borne
 from cardan.model.bracket import ZONES, Bracket, FatigueCurve, Zone
 from cardan.model.material import Material
 
@@ -84,15 +84,18 @@ class Strength:
     def of(cls, bracket: Bracket, zone: Zone = "sheet") -> "Strength | None":
         """Return what a zone of a bracket bears as its file states it; None where it states none.
 
-        Zones the file says nothing of bear what a cautious detail of the catalogue does.
-        Beyond the knee Haibach's slope holds. On the sheet tensile means count by Goodman where
-        the material has an ultimate strength, else not at all.
+        Zones the file says nothing of bear what a cautious detail of their metal does; where no
+        code has one nobody knows. Beyond the knee Haibach's slope holds. On the sheet tensile
+        means count by Goodman where the material has an ultimate strength, else not at all; of
+        what is no steel by the guideline's sensitivity where that is worse.
         """
-        if bracket.fatigue is None:
-            return None
         given = bracket.fatigue if zone == "sheet" else bracket.details.get(zone)
-        if given is None:
-            given = _shipped(DEFAULTS[zone])
+        if bracket.fatigue is not None and given is None:
+            of = borne(bracket.material.metal)
+            name = of.details.get(zone) if of else None
+            given = bracket.fatigue if name == AS_SHEET else name and find(name, "detail")
+        if bracket.fatigue is None or not given:
+            return None
         curve = SNCurve(amplitude=given.amplitude, cycles=given.cycles, slope=given.slope)
         return cls(curve.modified(), _correction(given, bracket.material), given.name)
 
@@ -121,19 +124,26 @@ def strengths(bracket: Bracket) -> dict[Zone, Strength]:
     return found
 
 
-@cache
-def _shipped(name: str) -> FatigueCurve:
-    """Return a detail of the shipped catalogue."""
-    return find(name, "detail")
-
-
 def _correction(given: FatigueCurve, material: Material) -> Correction:
     """Return how a mean stress counts on a curve."""
     if given.mean == "ratio":
         return ratio_bonus
-    if given.mean == "goodman" and material.ultimate_strength:
-        return partial(goodman, ultimate=material.ultimate_strength)
-    return uncorrected
+    ultimate = material.ultimate_strength
+    if given.mean != "goodman" or not ultimate:
+        return uncorrected
+    line = partial(goodman, ultimate=ultimate)
+    of = borne(material.metal)
+    if of is None or material.metal == "steel":
+        return line
+    also = partial(fkm, sensitivity=of.endurance.sensitivity(ultimate))
+    return partial(_worse, line, also)
+
+
+def _worse(
+    one: Correction, other: Correction, amplitude: FloatArray, mean: FloatArray
+) -> FloatArray:
+    """Return the amplitude by that of two corrections that makes more of it."""
+    return np.maximum(one(amplitude, mean), other(amplitude, mean))
 
 
 def spot_damage(unit: ArrayLike, loads: FloatArray, *, strength: Strength) -> FloatArray:
@@ -166,7 +176,7 @@ class Endured:
     when
         The load case, or the duty cycle in a state.
     spots : (k,)
-        Damage at each hot spot; 1 is failure.
+        Damage at each hot spot; 1 is failure. Where nobody knows what its zone bears, nan.
     gauges : (g,)
         Damage at each gauge.
     turns
@@ -196,8 +206,8 @@ class Endured:
 
     @property
     def worst(self) -> float:
-        """Damage of a pass at the hot spot that fares worst."""
-        return float(self.spots.max())
+        """Damage of a pass at the hot spot that fares worst, of those of which it is known."""
+        return float(np.fmax.reduce(self.spots))
 
     @property
     def per_turn(self) -> float:
@@ -232,7 +242,7 @@ class Endured:
         return math.nan if self.span is None else self._hours(self.span[:, 0])
 
     def _hours(self, spots: FloatArray) -> float:
-        return _until(float(spots.max()) / self.duration * hour)
+        return _until(float(np.fmax.reduce(spots)) / self.duration * hour)
 
 
 def _until(rate: float) -> float:

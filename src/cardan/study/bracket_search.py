@@ -22,10 +22,12 @@ from cardan.bracket.elastic import Progress
 from cardan.bracket.elastic import silent as hushed
 from cardan.bracket.refine import LEVELS
 from cardan.bracket.solve import weighed_apart
+from cardan.files.metals import key_of
 from cardan.model.application import Application
-from cardan.model.bracket import Bracket, Search, Shape
+from cardan.model.bracket import ZONES, Bracket, Search, Shape
 from cardan.study.bracket import Bench, BracketAnswer, checks_of
 from cardan.study.bracket_judge import Judged, Slip
+from cardan.study.bracket_life import strengths
 from cardan.study.finding import BRACKET, SLIP, limits_of
 
 DOUBT, LOOSE = 2.0, 4.0
@@ -225,6 +227,12 @@ def _asked(application: Application) -> tuple[Bracket, Search]:
     if bracket.fatigue is None or not (application.duty or application.duty_cycle):
         missing = "`fatigue` of the bracket" if bracket.fatigue is None else "a `duty` cycle"
         msg = f"a life to search for needs {missing}"
+        raise DesignError(msg, about="bracket.optimise")
+    if untold := [key_of(zone) for zone in ZONES if zone not in strengths(bracket)]:
+        msg = (
+            f"a life to search for needs `{untold[0]}` in `fatigue` of the bracket: no code says "
+            f"what it is of {bracket.material.name}, {bracket.material.metal}"
+        )
         raise DesignError(msg, about="bracket.optimise")
     return bracket, bracket.search
 
