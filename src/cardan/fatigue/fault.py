@@ -12,7 +12,10 @@ hole of it, which is unknown and not zero, and what is kept is exactly what was 
 | dropout | the same, longer and level; or a contact lost for some seconds between two steps |
 | clip | crests cut off at one level |
 | freeze | one value for longer than the channel ever keeps one |
-| zero-step | the level steps from one sample to the next, and stays |
+| zero-step | the signal is torn: it steps from one sample to the next, and goes on as before |
+| gain | from some place on it answers so many times as much, or the other way round |
+| noise | white for some tenths of a second, as a contact that chatters: no structure answers so |
+| repeat | what was written before, to the last digit: a buffer that was stored twice |
 | drift | the level creeps by more than the channel swings |
 | hum | a tone of the mains, 50 or 60 Hz, that neither speed nor load moves |
 | unit | a stress that no metal bears, or less than a gauge's noise: numbers of another unit |
@@ -29,16 +32,22 @@ from cardan.base.arrays import BoolArray, FloatArray, IntArray
 
 HOLE, SENTINEL, SPIKE, DROPOUT = "hole", "sentinel", "spike", "dropout"
 CLIP, FREEZE, ZERO_STEP, DRIFT = "clip", "freeze", "zero-step", "drift"
+GAIN, NOISE, REPEAT = "gain", "noise", "repeat"
 HUM, UNIT, RATE, STRENGTH = "hum", "unit", "rate", "strength"
 ANYWHERE = (HOLE, SENTINEL)
 """What is no value in any channel; all else is of a gauge, that swings about a zero of its own."""
 IMPOSSIBLE = (UNIT, RATE, STRENGTH)
 """What a gauge's stress cannot be, if all was said as it is: of it there is no damage without."""
-KINDS = (HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, ZERO_STEP, DRIFT, HUM, *IMPOSSIBLE)
-MASKABLE = (SENTINEL, SPIKE, DROPOUT, FREEZE)
+KINDS = (
+    HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, ZERO_STEP, GAIN, NOISE, REPEAT, DRIFT, HUM,
+    *IMPOSSIBLE,
+)  # fmt: skip
+MASKABLE = (SENTINEL, SPIKE, DROPOUT, FREEZE, NOISE, REPEAT)
 """What a hole can be made of: what a clip cut off, and where a drift began, nobody knows."""
-REMOVABLE = (*MASKABLE, ZERO_STEP, HUM)
-"""What a rule can take out: a step of the zero and hum make no hole, they are taken off."""
+TAKEN_OFF = (ZERO_STEP, GAIN, HUM)
+"""What makes no hole: it is taken off, and the rest is what was measured."""
+REMOVABLE = (*MASKABLE, *TAKEN_OFF)
+"""What a rule can take out."""
 
 SENTINELS = (
     -32768.0, 32767.0, 65535.0, -999.25, 9.96921e36, 1e30, -1e30, 1e20, -1e20,
@@ -88,6 +97,12 @@ FORETOLD = 10.0
 """The same of a sample that its neighbours do not foretell."""
 ALONE = 0.1
 """Of how far a sample is off, how much its neighbours may be off otherwise than by it."""
+TORN_ALONE, TORN = 0.25, 10.0
+"""The same of a jump between two samples; and how many times the median of those about it it is."""
+TORN_LEAST, TORN_CODES = 0.5, 4
+"""Times the channel's usual swing, and steps of its own, that a jump has at least."""
+STAIRS = 2.0
+"""Samples that a channel keeps a value for on average, from which it moves by jumps alone."""
 BLOCK = 1024
 """Samples whose highest and lowest are kept."""
 RARE = 0.1
@@ -182,6 +197,7 @@ class Finder:
         self.start = 0
         self.jumps: list[tuple[IntArray, FloatArray]] = []
         self.steps: list[tuple[IntArray, FloatArray]] = []
+        self.tears: list[tuple[IntArray, FloatArray]] = []
         self.sentinels: list[tuple[IntArray, FloatArray]] = []
         self.top, self.bottom = _Plateaus(), _Plateaus()
         self.crests = {1: _Crests(), -1: _Crests()}
@@ -218,9 +234,11 @@ class Finder:
         for runs, sizes in (jumps, (pricks[apart], heights[apart])):
             mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
             self.jumps.append((runs[mine] + offset, sizes[mine]))
-        runs, sizes = _steps(filled, widths=self.widths)
-        mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
-        self.steps.append((runs[mine] + offset, sizes[mine]))
+        for book, (runs, sizes) in (
+            (self.steps, _steps(filled, widths=self.widths)), (self.tears, torn(filled)),
+        ):  # fmt: skip
+            mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
+            book.append((runs[mine] + offset, sizes[mine]))
         self._plateaus(filled, offset, x.size)
         self._crests(filled, offset, x.size)
         self.start += x.size
@@ -341,22 +359,36 @@ class Finder:
         return runs[free], sizes[free]
 
     def stepped(self, levels: FloatArray, *, span: int, typical: float, jumps: Places) -> Places:
-        """Return the steps of the zero: those that the levels (spans,) on both sides confirm.
+        """Return the steps of the zero: tears, and what takes some samples and stays.
 
-        A load that comes within a sample and stays looks the same, so they are suspects. What
-        jumps off and back (`jumps`) is none.
+        Of that the levels (spans,) on both sides have to know. A load that comes within a sample
+        looks the same, so they are suspects. What jumps off and back (`jumps`) is none.
         """
-        runs, sizes = self._steps_of(jumps.runs, typical=typical)
+        torn = self._torn(jumps.runs, typical=typical)
+        runs, sizes = self._steps_of(union([jumps.runs, torn.runs]), typical=typical)
         at = runs.mean(axis=-1).astype(np.intp)
-        kept: list[tuple[int, float]] = []
-        for i, size in zip(at.tolist(), sizes.tolist(), strict=True):
-            before, behind = i // span - 1, -(-i // span)
-            if before < 0 or behind >= levels.size:
-                continue
-            moved = levels[behind] - levels[before]
-            if abs(moved - size) < 0.4 * abs(size):
-                kept.append((i, size))
-        return places([(i, i + 1) for i, _ in kept], [size for _, size in kept])
+        before, behind = at // span - 1, -(-at // span)
+        within = (before >= 0) & (behind < levels.size)
+        at, sizes = at[within], sizes[within]
+        moved = levels[behind[within]] - levels[before[within]]
+        stays = np.abs(moved - sizes) < 0.4 * np.abs(sizes)
+        wide = np.stack([at, at + 1], -1)[stays]
+        return places(
+            np.concatenate([torn.runs, wide]), np.concatenate([torn.sizes, sizes[stays]])
+        )
+
+    def _torn(self, taken: IntArray, *, typical: float) -> Places:
+        """Return the tears that are large enough, apart from what is `taken`."""
+        runs, sizes = (np.concatenate(part) for part in zip(*self.tears, strict=True))
+        kept = np.abs(sizes) > max(TORN_LEAST * typical, TORN_CODES * self._code())
+        if self.start > STAIRS * max(self.changes, 1):
+            kept[:] = False
+        kept &= ~_touching(np.stack([runs[:, 0] - 1, runs[:, 1] + 1], -1), taken)
+        return Places(runs[kept], sizes[kept])
+
+    def _code(self) -> float:
+        """Return the smallest step of the channel."""
+        return self.step if self.step < np.inf else 0.0
 
     def _sentinels(self) -> Places:
         """Numbers of `SENTINELS` that stand farther out of all others than those span."""
@@ -524,6 +556,26 @@ def _pricks(x: FloatArray) -> tuple[IntArray, FloatArray]:
     return np.stack([at, at + 1], -1), off[at]
 
 
+def torn(x: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Return where x is torn: runs (k, 2) of one sample each, and by how much it jumps to it.
+
+    Lines through two samples on either side do not meet half way, and do so at the places before
+    and behind but for that jump. Whatever bends and swings about it, a structure that was hit goes
+    on to move; a wire that was touched, a bit that stands still or a code that ran over does not.
+    """
+    if x.size <= 2 * (QUIET + 8):
+        return np.empty((0, 2), np.intp), np.empty(0)
+    apart = np.zeros_like(x)
+    apart[1:-2] = (x[:-3] - x[3:]) / 2 + 1.5 * (x[2:-1] - x[1:-2])
+    size = np.abs(apart)
+    half = apart[1:-1] / 2
+    beside = np.maximum(np.abs(apart[:-2] + half), np.abs(apart[2:] + half))
+    at = np.flatnonzero(beside < TORN_ALONE * size[1:-1]) + 1
+    for way in (-1, 1):
+        at = _outstanding(size, at, way, gap=2, least=TORN, share=0.5)
+    return np.stack([at + 1, at + 2], -1), apart[at]
+
+
 def _steps(x: FloatArray, *, widths: tuple[int, ...]) -> tuple[IntArray, FloatArray]:
     """Return runs (k, 2) in which the level becomes another, calm on both sides, by how much.
 
@@ -552,16 +604,17 @@ def _stepped(x: FloatArray, lag: int) -> tuple[IntArray, FloatArray]:
 
 
 def _outstanding(
-    size: FloatArray, at: IntArray, way: int, *, gap: int = 1, least: float = OUTSTANDING
-) -> IntArray:
-    """Those jumps that stand out of the steps before them (way -1) or behind (1), by a gap."""
+    size: FloatArray, at: IntArray, way: int, *, gap: int = 1, least: float = OUTSTANDING,
+    share: float = 0.9,
+) -> IntArray:  # fmt: skip
+    """Those jumps that stand out of a share of the steps before them (way -1) or behind (1)."""
     first = at + 1 + gap if way > 0 else at - gap - QUIET
     inside = (first >= 0) & (first + QUIET <= size.size)
     at, first = at[inside], first[inside]
     if not at.size:
         return at
     near = np.lib.stride_tricks.sliding_window_view(size, QUIET)[first]
-    usual = np.partition(near, int(0.9 * QUIET), axis=-1)[:, int(0.9 * QUIET)]
+    usual = np.partition(near, int(share * QUIET), axis=-1)[:, int(share * QUIET)]
     return at[size[at] > least * usual]
 
 
