@@ -14,24 +14,29 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.base.errors import DesignError
 from cardan.base.said import Said, said
+from cardan.fatigue.chatter import Chatter
 from cardan.fatigue.fault import (
     ANYWHERE,
     CLIP,
     DROPOUT,
     FREEZE,
     HOLE,
+    NOISE,
     NOWHERE,
+    REPEAT,
     SENTINEL,
     SPIKE,
     ZERO_STEP,
     Finder,
     Places,
     crowned,
+    places,
     reach,
     union,
     within,
 )
 from cardan.fatigue.hum import Hum, Listener
+from cardan.fatigue.twice import Twice
 
 
 def overlapping(
@@ -306,6 +311,11 @@ SUSPECTED = {
     "clip": "samples that look clipped: {samples}, in {places} places, the first at {first} s",
     "freeze": "samples standing still: {samples}, in {places} places, the first at {first} s",
     "zero-step": "steps of the zero: {places}, the first at {first} s",
+    "gain": "changes of the gain: {places}, the first at {first} s",
+    "noise": "samples of white noise, as of a contact that chatters: {samples}, in {places} places, "
+    "the first at {first} s",
+    "repeat": "samples that were there before, to the last digit: {samples}, in {places} places, the "
+    "first at {first} s",
 }
 """What is said of a channel, by the kind of fault."""
 
@@ -344,6 +354,7 @@ class _Survey:
     def __init__(self, span: int, rate: float, name: str) -> None:
         self.span, self.rate, self.name, self.reach = span, rate, name, reach(rate)
         self.finder, self.listener = Finder(rate), Listener(rate)
+        self.chatter, self.twice = Chatter(), Twice(rate)
         self.samples = self.missing = 0
         self.low, self.high = np.inf, -np.inf
         self.total = self.squares = self.shift = 0.0
@@ -367,9 +378,11 @@ class _Survey:
                 f"{place + 1}, {place / self.rate:.6g} s"
             )
             raise DesignError(f"{self.name}: {msg}" if self.name else msg)
+        filled = bridged(padded)
+        for book in (self.chatter, self.twice):
+            book.add(filled[self.reach :], start=self.samples, size=x.size)
         self.samples += x.size
         self.missing += x.size - known.size
-        filled = bridged(padded)
         self.finder.add(padded, filled)
         self.listener.add(filled[self.reach : padded.size - self.reach])
         self._levels(x)
@@ -433,8 +446,11 @@ class _Survey:
         steps = self.finder.stepped(
             levels, span=self.span, typical=typical, jumps=Places(jumps, np.zeros(len(jumps)))
         )
-        if alive and steps.count:
-            faults[ZERO_STEP] = steps
+        others = {
+            ZERO_STEP: steps, NOISE: places(self.chatter.found()),
+            REPEAT: places(self.twice.found()),
+        }  # fmt: skip
+        faults |= {kind: where for kind, where in others.items() if alive and where.count}
         return Health(
             samples=self.samples, missing=self.missing,
             low=self.low, high=self.high, mean=mean + self.shift,

@@ -99,6 +99,8 @@ ALONE = 0.1
 """Of how far a sample is off, how much its neighbours may be off otherwise than by it."""
 TORN_ALONE, TORN = 0.25, 10.0
 """The same of a jump between two samples; and how many times the median of those about it it is."""
+TORN_MOVES = 2.0
+"""Times what x moves in the sample before and in the one behind."""
 TORN_LEAST, TORN_CODES = 0.5, 4
 """Times the channel's usual swing, and steps of its own, that a jump has at least."""
 STAIRS = 2.0
@@ -571,6 +573,9 @@ def torn(x: FloatArray) -> tuple[IntArray, FloatArray]:
     half = apart[1:-1] / 2
     beside = np.maximum(np.abs(apart[:-2] + half), np.abs(apart[2:] + half))
     at = np.flatnonzero(beside < TORN_ALONE * size[1:-1]) + 1
+    # What was hit goes on about as fast.
+    moves = np.abs(np.diff(x, append=x[-1]))
+    at = at[size[at] > TORN_MOVES * np.maximum(moves[at - 1], moves[at + 1])]
     for way in (-1, 1):
         at = _outstanding(size, at, way, gap=2, least=TORN, share=0.5)
     return np.stack([at + 1, at + 2], -1), apart[at]
