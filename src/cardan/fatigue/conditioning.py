@@ -20,6 +20,7 @@ from cardan.fatigue.fault import (
     CLIP,
     DROPOUT,
     FREEZE,
+    GAIN,
     HOLE,
     NOISE,
     NOWHERE,
@@ -35,6 +36,7 @@ from cardan.fatigue.fault import (
     union,
     within,
 )
+from cardan.fatigue.gain import Ratios
 from cardan.fatigue.hum import Hum, Listener
 from cardan.fatigue.twice import Twice
 
@@ -429,7 +431,8 @@ class _Survey:
             self.swings.append(swing)
         self.tail = whole[full:]
 
-    def health(self) -> Health:
+    def health(self, *, gains: Places = NOWHERE) -> Health:
+        """Return what was found, with what other channels say of its gain."""
         known = self.samples - self.missing
         mean = self.total / known if known else np.nan
         variance = self.squares / known - mean**2 if known else np.nan
@@ -437,17 +440,18 @@ class _Survey:
         if not self.swings:  # shorter than a span
             self._levels(np.empty(0), last=True)
         swings = np.concatenate(self.swings or [np.empty(0)])
-        swings = swings[swings > 0]
-        typical = float(np.median(swings)) if swings.size else 0.0
+        moving = swings[swings > 0]
+        typical = float(np.median(moving)) if moving.size else 0.0
         alive = self.high > self.low
         faults = dict(self.finder.found(typical=typical)) if alive else {}
         levels = np.concatenate(self.levels or [np.empty(0)])
         jumps = union(faults[k].runs for k in (SPIKE, DROPOUT, SENTINEL) if k in faults)
-        steps = self.finder.stepped(
-            levels, span=self.span, typical=typical, jumps=Places(jumps, np.zeros(len(jumps)))
-        )
+        steps, changed = self.finder.stepped(
+            levels, swings=swings, span=self.span, typical=typical,
+            jumps=Places(jumps, np.zeros(len(jumps))),
+        )  # fmt: skip
         others = {
-            ZERO_STEP: steps, NOISE: places(self.chatter.found()),
+            ZERO_STEP: steps, GAIN: changed if changed.count else gains, NOISE: places(self.chatter.found()),
             REPEAT: places(self.twice.found()),
         }  # fmt: skip
         faults |= {kind: where for kind, where in others.items() if alive and where.count}
@@ -479,19 +483,30 @@ def survey(
         Of the channels, for messages.
     """
     found: list[_Survey] = []
+    ratios: Ratios | None = None
     for padded in overlapping(pieces, reach=reach(rate), mirrored=True):
-        if not found:
+        if ratios is None:
             called = names or [""] * len(padded)
             found = [_Survey(max(round(span * rate), 1), rate, name) for name in called]
+            ratios = Ratios(rate, len(padded))
         for channel, x in zip(found, padded, strict=True):
             channel.add(x)
-    return [channel.health() for channel in found]
+        ratios.add(bridged(padded[:, reach(rate) : padded.shape[-1] - reach(rate)]))
+    if ratios is None:
+        return []
+    return [c.health(gains=g) for c, g in zip(found, ratios.found(), strict=True)]
 
 
 def shifts(steps: Places, samples: ArrayLike) -> FloatArray:
     """Return what steps of the zero have added up to at samples (n,)."""
     total = np.append(0.0, np.cumsum(steps.sizes))
     return total[np.searchsorted(steps.runs[:, 0], np.asarray(samples), side="right")]
+
+
+def gained(gains: Places, samples: ArrayLike) -> FloatArray:
+    """Return what changes of the gain have multiplied up to at samples (n,)."""
+    total = np.append(1.0, np.cumprod(gains.sizes))
+    return total[np.searchsorted(gains.runs[:, 0], np.asarray(samples), side="right")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -506,6 +521,8 @@ class Treatment:
         Clipped crests put back by parabolas: for an estimate, never for a verdict.
     steps
         Steps of the zero that are taken off.
+    gains
+        Changes of the gain that are taken back: from each on, by the factor that is its size.
     hum
         Of the mains, taken off; None: left.
     baseline : (spans,)
@@ -517,6 +534,7 @@ class Treatment:
     masked: IntArray = field(default_factory=lambda: NOWHERE.runs)
     crowned: Places = NOWHERE
     steps: Places = NOWHERE
+    gains: Places = NOWHERE
     hum: Hum | None = None
     baseline: FloatArray = field(default_factory=lambda: np.empty(0))
     span: int = 1
@@ -530,6 +548,8 @@ class Treatment:
             x = np.where(hidden, np.nan, x)
         if self.steps.count:
             x = x - shifts(self.steps, np.arange(start, start + x.size))
+        if self.gains.count:
+            x = x / gained(self.gains, np.arange(start, start + x.size))
         if self.hum is not None:
             x = x - self.hum.at(start, x.size)
         if self.baseline.any():

@@ -103,6 +103,9 @@ TORN_MOVES = 2.0
 """Times what x moves in the sample before and in the one behind."""
 TORN_LEAST, TORN_CODES = 0.5, 4
 """Times the channel's usual swing, and steps of its own, that a jump has at least."""
+BESIDE, GREW, FITS = 3, 0.1, 0.5
+"""Spans beside a tear that say whether the gain changed there; the logarithm of the least change, and
+how far from it the swing's may be."""
 STAIRS = 2.0
 """Samples that a channel keeps a value for on average, from which it moves by jumps alone."""
 BLOCK = 1024
@@ -131,6 +134,10 @@ class Places:
     def count(self) -> int:
         """How many there are."""
         return len(self.runs)
+
+    def only(self, kept: BoolArray) -> "Places":
+        """Return some of them."""
+        return Places(self.runs[kept], self.sizes[kept])
 
     @property
     def samples(self) -> int:
@@ -199,7 +206,7 @@ class Finder:
         self.start = 0
         self.jumps: list[tuple[IntArray, FloatArray]] = []
         self.steps: list[tuple[IntArray, FloatArray]] = []
-        self.tears: list[tuple[IntArray, FloatArray]] = []
+        self.tears: list[tuple[IntArray, FloatArray, FloatArray]] = []
         self.sentinels: list[tuple[IntArray, FloatArray]] = []
         self.top, self.bottom = _Plateaus(), _Plateaus()
         self.crests = {1: _Crests(), -1: _Crests()}
@@ -236,11 +243,12 @@ class Finder:
         for runs, sizes in (jumps, (pricks[apart], heights[apart])):
             mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
             self.jumps.append((runs[mine] + offset, sizes[mine]))
-        for book, (runs, sizes) in (
-            (self.steps, _steps(filled, widths=self.widths)), (self.tears, torn(filled)),
-        ):  # fmt: skip
-            mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
-            book.append((runs[mine] + offset, sizes[mine]))
+        runs, sizes = _steps(filled, widths=self.widths)
+        mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
+        self.steps.append((runs[mine] + offset, sizes[mine]))
+        runs, sizes, heights = torn(filled)
+        mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
+        self.tears.append((runs[mine] + offset, sizes[mine], heights[mine]))
         self._plateaus(filled, offset, x.size)
         self._crests(filled, offset, x.size)
         self.start += x.size
@@ -360,14 +368,19 @@ class Finder:
         free = (np.abs(sizes) > 2 * typical) & ~_touching(about, taken)
         return runs[free], sizes[free]
 
-    def stepped(self, levels: FloatArray, *, span: int, typical: float, jumps: Places) -> Places:
+    def stepped(
+        self, levels: FloatArray, *, swings: FloatArray, span: int, typical: float, jumps: Places
+    ) -> tuple[Places, Places]:
         """Return the steps of the zero: tears, and what takes some samples and stays.
 
         Of that the levels (spans,) on both sides have to know. A load that comes within a sample
-        looks the same, so they are suspects. What jumps off and back (`jumps`) is none.
+        looks the same, so they are suspects. What jumps off and back (`jumps`) is none. Beside
+        them, what changed the gain: from there on level and swing (`swings`) are as many times.
         """
-        torn = self._torn(jumps.runs, typical=typical)
-        runs, sizes = self._steps_of(union([jumps.runs, torn.runs]), typical=typical)
+        torn, heights = self._torn(jumps.runs, typical=typical)
+        by = _factors(torn, heights, levels=levels, swings=swings, span=span)
+        torn, gains = torn.only(by == 1.0), Places(torn.runs, by).only(by != 1.0)
+        runs, sizes = self._steps_of(union([jumps.runs, torn.runs, gains.runs]), typical=typical)
         at = runs.mean(axis=-1).astype(np.intp)
         before, behind = at // span - 1, -(-at // span)
         within = (before >= 0) & (behind < levels.size)
@@ -375,18 +388,19 @@ class Finder:
         moved = levels[behind[within]] - levels[before[within]]
         stays = np.abs(moved - sizes) < 0.4 * np.abs(sizes)
         wide = np.stack([at, at + 1], -1)[stays]
-        return places(
+        steps = places(
             np.concatenate([torn.runs, wide]), np.concatenate([torn.sizes, sizes[stays]])
         )
+        return steps, gains
 
-    def _torn(self, taken: IntArray, *, typical: float) -> Places:
-        """Return the tears that are large enough, apart from what is `taken`."""
-        runs, sizes = (np.concatenate(part) for part in zip(*self.tears, strict=True))
+    def _torn(self, taken: IntArray, *, typical: float) -> tuple[Places, FloatArray]:
+        """Return the tears that are large enough, apart from what is `taken`, and what is behind."""
+        runs, sizes, heights = (np.concatenate(part) for part in zip(*self.tears, strict=True))
         kept = np.abs(sizes) > max(TORN_LEAST * typical, TORN_CODES * self._code())
         if self.start > STAIRS * max(self.changes, 1):
             kept[:] = False
         kept &= ~_touching(np.stack([runs[:, 0] - 1, runs[:, 1] + 1], -1), taken)
-        return Places(runs[kept], sizes[kept])
+        return Places(runs[kept], sizes[kept]), heights[kept]
 
     def _code(self) -> float:
         """Return the smallest step of the channel."""
@@ -558,15 +572,15 @@ def _pricks(x: FloatArray) -> tuple[IntArray, FloatArray]:
     return np.stack([at, at + 1], -1), off[at]
 
 
-def torn(x: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return where x is torn: runs (k, 2) of one sample each, and by how much it jumps to it.
+def torn(x: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return where x is torn: runs (k, 2) of one sample each, how far it jumps to it, and where to.
 
     Lines through two samples on either side do not meet half way, and do so at the places before
     and behind but for that jump. Whatever bends and swings about it, a structure that was hit goes
     on to move; a wire that was touched, a bit that stands still or a code that ran over does not.
     """
     if x.size <= 2 * (QUIET + 8):
-        return np.empty((0, 2), np.intp), np.empty(0)
+        return np.empty((0, 2), np.intp), np.empty(0), np.empty(0)
     apart = np.zeros_like(x)
     apart[1:-2] = (x[:-3] - x[3:]) / 2 + 1.5 * (x[2:-1] - x[1:-2])
     size = np.abs(apart)
@@ -578,7 +592,36 @@ def torn(x: FloatArray) -> tuple[IntArray, FloatArray]:
     at = at[size[at] > TORN_MOVES * np.maximum(moves[at - 1], moves[at + 1])]
     for way in (-1, 1):
         at = _outstanding(size, at, way, gap=2, least=TORN, share=0.5)
-    return np.stack([at + 1, at + 2], -1), apart[at]
+    return np.stack([at + 1, at + 2], -1), apart[at], 1.5 * x[at + 1] - x[at + 2] / 2
+
+
+def _factors(
+    torn: Places, behind: FloatArray, *, levels: FloatArray, swings: FloatArray, span: int
+) -> FloatArray:
+    """Return by what a gain changed at tears (k,), 1 where only the zero stepped.
+
+    `behind` (k,) is where each leads to. Level and swing of some spans on both sides, as far as
+    the next tear, have to fit that better than a step.
+    """
+    factors = np.ones(torn.count)
+    ends = np.concatenate([[0], torn.runs[:, 0], [levels.size * span]])
+    for k, (jump, to) in enumerate(zip(torn.sizes.tolist(), behind.tolist(), strict=True)):
+        first, at, last = ends[k : k + 3]
+        before = slice(max(-(-first // span), at // span - BESIDE), at // span)
+        after = slice(-(-at // span), min(last // span, -(-at // span) + BESIDE))
+        told = [np.nanmedian(x[s]) for x in (levels, swings) for s in (before, after) if x[s].size]
+        if len(told) < 4 or not min(told[2:]) > 0 or to == jump:
+            continue
+        level, new, swing, wide = told
+        by = to / (to - jump)
+        grown = abs(np.log(wide / swing))
+        off = abs(np.log(wide / swing / abs(by))) if by else np.inf
+        moved = abs(new - by * level) - abs(new - level - jump)
+        if abs(np.log(abs(by))) > GREW if by > 0 else by:
+            nearer = off < grown / 2 if by > 0 else moved < 0
+            if nearer and moved < swing and off < FITS:
+                factors[k] = by
+    return factors
 
 
 def _steps(x: FloatArray, *, widths: tuple[int, ...]) -> tuple[IntArray, FloatArray]:

@@ -1,0 +1,134 @@
+"""Changes of a gauge's gain, by what it is held against: another gauge, or the shaft's torque.
+
+Two channels that feel the same forces keep their ratio in each band of frequencies, as long as
+nobody touches an amplifier. What shakes them may change, and with it the ratio in the bands that it
+is heard in; but only a gain changes it in all of them at once, and by the same factor.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray
+from cardan.fatigue.fault import Places, places
+
+SECONDS = 5.0
+"""Length of a span in which channels are held against each other."""
+BANDS, FEWEST = 3, 16
+"""Octaves that have to agree, and the fewest differences in a span that say something of one."""
+ALIKE = 0.6
+"""Coherence from which two channels feel the same forces in a band."""
+ABOUT, LEAST = 6, 3
+"""Spans to either side that are held against each other, and the fewest."""
+CHANGED, AGREED = 0.1, 0.25
+"""Least change of the logarithm of a ratio, and how far bands may differ in it, relative to it; a
+band that scatters by more than that says nothing."""
+
+
+class Ratios:
+    """Holds channels against each other, span by span: `add` each piece, then ask `found`."""
+
+    def __init__(self, rate: float, count: int) -> None:
+        self.size, self.count = max(round(SECONDS * rate), 1), count
+        self.tail: FloatArray = np.empty((count, 0))
+        self.met: list[FloatArray] = []
+
+    def add(self, x: FloatArray) -> None:
+        """Take samples (channels, n) without holes."""
+        if self.count < 2:
+            return
+        whole = np.concatenate([self.tail, x], axis=-1) if self.tail.size else x
+        full = whole.shape[-1] // self.size * self.size
+        self.tail = whole[:, full:].copy()
+        if not full:
+            return
+        rows = np.moveaxis(whole[:, :full].reshape(self.count, -1, self.size), 0, 1)
+        bands: list[FloatArray] = []
+        while rows.shape[-1] // 2 >= FEWEST:
+            pairs = rows[..., : rows.shape[-1] // 2 * 2].reshape(*rows.shape[:-1], -1, 2)
+            half = pairs[..., 0] - pairs[..., 1]
+            bands.append(half @ np.swapaxes(half, -1, -2))
+            rows = pairs.mean(-1)
+        if len(bands) >= BANDS:
+            self.met.append(np.stack(bands, 1).astype(np.float32))
+
+    def found(self) -> list[Places]:
+        """Return where the gain of each channel changes, and by what factor.
+
+        Of two that change against each other nobody knows which it was: either may be.
+        """
+        told: list[list[tuple[int, float]]] = [[] for _ in range(self.count)]
+        if not self.met:
+            return [places(()) for _ in told]
+        met = np.concatenate(self.met).astype(float)
+        for i in range(self.count):
+            for j in range(i):
+                for at, factor in changes(met[..., i, i], met[..., j, j], met[..., i, j]):
+                    told[i].append((at, factor))
+                    told[j].append((at, 1 / factor))
+        return [self._places(one) for one in _accused(told)]
+
+    def _places(self, told: Sequence[tuple[int, float]]) -> Places:
+        at = {k * self.size: factor for k, factor in told}
+        return places([(k, k + 1) for k in at], list(at.values()))
+
+
+def _accused(told: list[list[tuple[int, float]]]) -> list[list[tuple[int, float]]]:
+    """Keep of each channel the changes that no other shows against more channels."""
+
+    def heard(one: list[tuple[int, float]], at: int) -> int:
+        return sum(abs(k - at) <= LEAST for k, _ in one)
+
+    return [
+        [c for c in one if heard(one, c[0]) >= max(heard(other, c[0]) for other in told)]
+        for one in told
+    ]
+
+
+def changes(own: FloatArray, other: FloatArray, both: FloatArray) -> list[tuple[int, float]]:
+    """Return the spans before which a ratio changes in all bands, and by what factor.
+
+    Powers of two channels in spans and bands (m, b), and what they have in common.
+    """
+    m = len(own)
+    if m < 2 * LEAST:
+        return []
+    with np.errstate(divide="ignore", invalid="ignore"):
+        known = both**2 > ALIKE * own * other
+        ratio = np.where(known, np.log(own / other) / 2, np.nan)
+    sign = np.sign(both)
+    found: list[tuple[float, int, float]] = []
+    for k in range(LEAST, m - LEAST + 1):
+        before, behind = slice(max(k - ABOUT, 0), k), slice(k, k + ABOUT)
+        change = _change(ratio[before], ratio[behind])
+        turned = np.nansum(sign[before] * known[before], 0) * np.nansum(
+            sign[behind] * known[behind], 0
+        )
+        seen = known[before].sum(0) * known[behind].sum(0) > 0
+        over = bool(seen.sum() >= BANDS and (turned[seen] < 0).all())
+        if change is not None or over:
+            by = 0.0 if change is None else change
+            found.append((abs(by) + 10 * over, k, (-1 if over else 1) * float(np.exp(by))))
+    kept: list[tuple[int, float]] = []
+    for _, k, factor in sorted(found, reverse=True):
+        if all(abs(k - other) > LEAST for other, _ in kept):
+            kept.append((k, factor))
+    return sorted(kept)
+
+
+def _change(before: FloatArray, behind: FloatArray) -> float | None:
+    """Return by how much logarithms (m, b) of ratios change in all bands; None where they do not."""
+    told: list[float] = []
+    for a, b in zip(before.T, behind.T, strict=True):
+        a, b = a[~np.isnan(a)], b[~np.isnan(b)]
+        if min(a.size, b.size) < LEAST:
+            continue
+        change = float(np.median(b) - np.median(a))
+        scatter = max(float(np.median(np.abs(x - np.median(x)))) for x in (a, b))
+        if scatter < AGREED * max(abs(change), CHANGED):
+            told.append(change)
+    if len(told) < BANDS:
+        return None
+    middle = float(np.median(told))
+    agree = all(abs(one - middle) <= AGREED * abs(middle) for one in told)
+    return middle if abs(middle) > CHANGED and agree else None
