@@ -36,6 +36,7 @@ from cardan.fatigue.fault import (
     union,
     within,
 )
+from cardan.fatigue.folded import Folded
 from cardan.fatigue.gain import Ratios
 from cardan.fatigue.hum import Hum, Listener
 from cardan.fatigue.twice import Twice
@@ -356,7 +357,7 @@ class _Survey:
     def __init__(self, span: int, rate: float, name: str) -> None:
         self.span, self.rate, self.name, self.reach = span, rate, name, reach(rate)
         self.finder, self.listener = Finder(rate), Listener(rate)
-        self.chatter, self.twice = Chatter(), Twice(rate)
+        self.chatter, self.twice, self.folded = Chatter(), Twice(rate), Folded()
         self.samples = self.missing = 0
         self.low, self.high = np.inf, -np.inf
         self.total = self.squares = self.shift = 0.0
@@ -383,6 +384,7 @@ class _Survey:
         filled = bridged(padded)
         for book in (self.chatter, self.twice):
             book.add(filled[self.reach :], start=self.samples, size=x.size)
+        self.folded.add(filled, reach=self.reach, start=self.samples)
         self.samples += x.size
         self.missing += x.size - known.size
         self.finder.add(padded, filled)
@@ -450,9 +452,12 @@ class _Survey:
             levels, swings=swings, span=self.span, typical=typical,
             jumps=Places(jumps, np.zeros(len(jumps))),
         )  # fmt: skip
+        turned = self.folded.found()
+        if turned.size:
+            changed = Places(np.stack([turned, turned + 1], -1), np.full(turned.size, -1.0))
         others = {
-            ZERO_STEP: steps, GAIN: changed if changed.count else gains, NOISE: places(self.chatter.found()),
-            REPEAT: places(self.twice.found()),
+            ZERO_STEP: steps, GAIN: changed if changed.count else gains,
+            NOISE: places(self.chatter.found()), REPEAT: places(self.twice.found()),
         }  # fmt: skip
         faults |= {kind: where for kind, where in others.items() if alive and where.count}
         return Health(

@@ -18,14 +18,14 @@ MAINS = (50.0, 60.0)
 """Frequencies of the world's grids, Hz."""
 HARMONICS = (1, 2, 3, 4, 5, 6)
 """Of them, that what hangs on the grid hums at: transformers and rectifiers at 100 and 300 Hz."""
-STRAYS = 0.1
-"""Hz that a grid strays by at most; by 0.2 Hz it sheds load. ENTSO-E, System Operation Guideline
-(2017), article 127."""
+STRAYS = 0.2
+"""Hz that a grid strays by at most: the frequency it has to be back within after an incident.
+ENTSO-E, System Operation Guideline (2017), article 127 and annex III."""
 LEAST = 0.05
 """Amplitude over the channel's deviation from which hum is a suspect."""
-LEAST_SECONDS, WHILE = 8, 20
-"""Seconds of a recording in which a steady tone is told from one that passes, and of one that is
-there for a part of the time: at cruise an order of a shaft holds still for some seconds."""
+WHILE, IN_ALL = 8, 20
+"""Seconds in which a steady tone is told from one that passes, and of which it has to be there in
+all, or in the whole recording: at cruise an order of a shaft holds still for some."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +99,7 @@ class Listener:
         if not self.met:
             return None
         met = np.concatenate(self.met).reshape(-1, len(self.mains), 3)
-        if len(met) < LEAST_SECONDS:
+        if len(met) < WHILE:
             return None
         # A second begins whole samples after the one before: where the tone is by then.
         begun = np.arange(len(met)) * self.size / self.rate
@@ -108,7 +108,7 @@ class Listener:
             z = met[:, n, 0] * np.exp(-2j * np.pi * ((f * begun) % 1.0))
             beside = (np.abs(met[:, n, 1:]) ** 2).mean(-1)
             hums = _humming(z, beside, least=LEAST * deviation, strays=k * STRAYS)
-            if hums.any():
+            if hums.sum() >= min(IN_ALL, len(met)):
                 loudest[f] = np.where(hums, z, 0.0)
         if not loudest:
             return None
