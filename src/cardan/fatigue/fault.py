@@ -106,6 +106,8 @@ TORN_LEAST, TORN_CODES = 0.5, 4
 BESIDE, GREW, FITS = 3, 0.1, 0.5
 """Spans beside a tear that say whether the gain changed there; the logarithm of the least change, and
 how far from it the swing's may be."""
+TEARS = 4
+"""Of which the levels know nothing, and that are suspects all the same."""
 STAIRS = 2.0
 """Samples that a channel keeps a value for on average, from which it moves by jumps alone."""
 BLOCK = 1024
@@ -380,18 +382,21 @@ class Finder:
         torn, heights = self._torn(jumps.runs, typical=typical)
         by = _factors(torn, heights, levels=levels, swings=swings, span=span)
         torn, gains = torn.only(by == 1.0), Places(torn.runs, by).only(by != 1.0)
-        runs, sizes = self._steps_of(union([jumps.runs, torn.runs, gains.runs]), typical=typical)
+        runs, sizes = self._steps_of(union([jumps.runs, gains.runs]), typical=typical)
         at = runs.mean(axis=-1).astype(np.intp)
         before, behind = at // span - 1, -(-at // span)
         within = (before >= 0) & (behind < levels.size)
         at, sizes = at[within], sizes[within]
         moved = levels[behind[within]] - levels[before[within]]
         stays = np.abs(moved - sizes) < 0.4 * np.abs(sizes)
-        wide = np.stack([at, at + 1], -1)[stays]
-        steps = places(
-            np.concatenate([torn.runs, wide]), np.concatenate([torn.sizes, sizes[stays]])
-        )
-        return steps, gains
+        steps = Places(np.stack([at, at + 1], -1)[stays], sizes[stays])
+        # One tear alone may be a blow; of several those that stay are told once.
+        if torn.count < TEARS:
+            return steps, gains
+        apart = steps.only(~_touching(steps.runs + [-STEP_WIDTH, STEP_WIDTH], torn.runs))
+        return places(
+            np.concatenate([torn.runs, apart.runs]), np.concatenate([torn.sizes, apart.sizes])
+        ), gains
 
     def _torn(self, taken: IntArray, *, typical: float) -> tuple[Places, FloatArray]:
         """Return the tears that are large enough, apart from what is `taken`, and what is behind."""

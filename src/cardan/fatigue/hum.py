@@ -18,9 +18,9 @@ MAINS = (50.0, 60.0)
 """Frequencies of the world's grids, Hz."""
 HARMONICS = (1, 2, 3, 4, 5, 6)
 """Of them, that what hangs on the grid hums at: transformers and rectifiers at 100 and 300 Hz."""
-STRAYS = 0.2
-"""Hz that a grid strays by at most: the frequency it has to be back within after an incident.
-ENTSO-E, System Operation Guideline (2017), article 127 and annex III."""
+STRAYS = 0.1
+"""Hz that a grid strays by at most; by 0.2 Hz it sheds load. ENTSO-E, System Operation Guideline
+(2017), article 127."""
 LEAST = 0.05
 """Amplitude over the channel's deviation from which hum is a suspect."""
 WHILE, IN_ALL = 8, 20

@@ -14,8 +14,9 @@ EACH = 64
 """Samples of which one is chosen."""
 LENGTH = 16
 """Samples of a fingerprint."""
-SECONDS, FEWEST = 0.5, 4
-"""Shortest copy, and fewest chosen samples in it."""
+SECONDS, FEWEST, MOST = 0.5, 4, 0.5
+"""Shortest distance of a copy, and fewest chosen samples in it; and of all, the share from which
+whoever made the recording repeats, as a test bench in coarse steps."""
 _MIX = np.uint64(0x9E3779B97F4A7C15)
 
 
@@ -29,14 +30,14 @@ class Twice:
 
     def add(self, ahead: FloatArray, *, start: int, size: int) -> None:
         """Take samples from `start` on: `size` of them, and some that follow."""
-        bits = (ahead + 0.0).view(np.uint64)
+        bits = (ahead.astype(float) + 0.0).view(np.uint64)  # no minus nought
         size = min(size, ahead.size - LENGTH)
         if size <= 0:
             return
         mixed = (bits[:size] ^ (bits[1 : size + 1] << np.uint64(7))) * _MIX
-        moves = (bits[:size] != bits[1 : size + 1]) & (bits[:size] != bits[2 : size + 2])
         chosen = np.flatnonzero((mixed >> np.uint64(40)) % np.uint64(EACH) == 0)
-        chosen = chosen[moves[chosen]]
+        near = bits[chosen[:, None] + np.arange(LENGTH)]
+        chosen = chosen[(near[:, 1:] != near[:, :-1]).sum(-1) >= LENGTH // 2]
         told = np.zeros(chosen.size, np.uint64)
         for k in range(LENGTH):
             told = (told ^ bits[chosen + k]) * _MIX
@@ -45,24 +46,21 @@ class Twice:
         self.prints.append(told)
 
     def found(self) -> IntArray:
-        """Return the runs (k, 2) of samples that were there before; a tone repeats, and is none."""
+        """Return the runs (k, 2) of samples that were there before."""
         none = np.empty((0, 2), np.intp)
         at = np.concatenate([np.empty(0, np.intp), *self.at])
         told = np.concatenate([np.empty(0, np.uint64), *self.prints])
         order = np.argsort(told, kind="stable")
         same = told[order][1:] == told[order][:-1]
         first, again = at[order][:-1][same], at[order][1:][same]
-        least = SECONDS * self.rate
-        far = again - first >= least
-        if far.sum() < FEWEST or far.mean() < 0.5:
+        if not FEWEST <= again.size <= MOST * at.size:
             return none
-        first, again = first[far], again[far]
-        order = np.lexsort((again, again - first))
-        first, again = first[order], again[order]
         lag = again - first
+        order = np.lexsort((again, lag))
+        lag, again = lag[order], again[order]
         # Of one copy: at one distance, and close to each other.
         fresh = (np.diff(lag, prepend=-1) != 0) | (np.diff(again, prepend=-1) > 16 * EACH)
         begin = np.flatnonzero(fresh)
         last = np.append(begin[1:] - 1, again.size - 1)
-        long = (last - begin + 1 >= FEWEST) & (again[last] - again[begin] >= least - 16 * EACH)
+        long = (last - begin + 1 >= FEWEST) & (lag[begin] >= SECONDS * self.rate)
         return np.stack([again[begin[long]], again[last[long]] + LENGTH], -1)
