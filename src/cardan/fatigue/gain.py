@@ -14,13 +14,13 @@ from cardan.fatigue.fault import Places, places
 
 SECONDS = 5.0
 """Length of a span in which channels are held against each other."""
-BANDS, FEWEST = 3, 16
+BANDS, FEWEST = 4, 16
 """Octaves that have to agree, and the fewest differences in a span that say something of one."""
 ALIKE = 0.6
 """Coherence from which two channels feel the same forces in a band."""
 ABOUT, LEAST = 6, 3
 """Spans to either side that are held against each other, and the fewest."""
-CHANGED, AGREED = 0.1, 0.25
+CHANGED, AGREED = 0.2, 0.25
 """Least change of the logarithm of a ratio, and how far bands may differ in it, relative to it; a
 band that scatters by more than that says nothing."""
 
@@ -118,17 +118,17 @@ def changes(own: FloatArray, other: FloatArray, both: FloatArray) -> list[tuple[
 
 def _change(before: FloatArray, behind: FloatArray) -> float | None:
     """Return by how much logarithms (m, b) of ratios change in all bands; None where they do not."""
-    told: list[float] = []
+    told: list[tuple[float, float]] = []
     for a, b in zip(before.T, behind.T, strict=True):
         a, b = a[~np.isnan(a)], b[~np.isnan(b)]
-        if min(a.size, b.size) < LEAST:
-            continue
-        change = float(np.median(b) - np.median(a))
-        scatter = max(float(np.median(np.abs(x - np.median(x)))) for x in (a, b))
-        if scatter < AGREED * max(abs(change), CHANGED):
-            told.append(change)
-    if len(told) < BANDS:
+        if min(a.size, b.size) >= LEAST:
+            scatter = max(float(np.median(np.abs(x - np.median(x)))) for x in (a, b))
+            told.append((float(np.median(b) - np.median(a)), scatter))
+    if not told:
         return None
-    middle = float(np.median(told))
-    agree = all(abs(one - middle) <= AGREED * abs(middle) for one in told)
+    change, scatter = np.array(told).T
+    bar = AGREED * abs(np.median(change))
+    change = change[scatter < bar]  # else it says nothing
+    middle = float(np.median(change)) if change.size >= BANDS else 0.0
+    agree = bool((np.abs(change - middle) <= bar).all())
     return middle if abs(middle) > CHANGED and agree else None

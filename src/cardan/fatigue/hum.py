@@ -129,7 +129,7 @@ def _humming(z: ComplexArray, beside: FloatArray, *, least: float, strays: float
         return np.lib.stride_tricks.sliding_window_view(x, size)
 
     own, turn = over(power), over(turned, n - 1).sum(-1)
-    still = np.abs(turn) > 0.9 * own[:, 1:].sum(-1)
+    still = np.abs(turn) > 0.93 * own[:, 1:].sum(-1)
     grid = np.abs(np.angle(turn)) < 2 * np.pi * strays
     low, typical, high = np.quantile(own, [0.1, 0.5, 0.9], axis=-1)
     loud = (typical > least**2) & (typical > 8 * np.median(over(beside), axis=-1))

@@ -66,6 +66,9 @@ DECIDE: Mapping[str, str] = {
     "clip": "a recording that is not clipped, or --accept clip",
     "zero-step": "a word on the steps of its zero, which decide the damage: --mask or --accept "
     "zero-step",
+    "gain": "a word on its gain, whose changes decide the damage: --mask or --accept gain",
+    "noise": "a word on its noise, which decides the damage: --mask or --accept noise",
+    "repeat": "a word on what was stored twice, which decides the damage: --mask or --accept repeat",
     "drift": "a word on its drift, which decides the damage: --zero drift or --accept drift",
     "hole": "a recording in which it is alive for a quarter of the time",
     "hum": "a word on its hum, which decides the damage: --mask or --accept hum",
