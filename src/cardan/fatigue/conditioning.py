@@ -258,8 +258,13 @@ class Health:
 
     @property
     def drifts(self) -> bool:
-        """Whether it creeps by more than it swings."""
-        return not self.dead and abs(self.drift) > max(self.deviation, 1e-300)
+        """Whether it creeps by more than it swings: a load is high now and then, and no creep."""
+        if self.dead or not abs(self.drift) > max(self.deviation, 1e-300):
+            return False
+        levels = (self.levels - self.stepped)[~np.isnan(self.levels)]
+        place = np.arange(levels.size) - (levels.size - 1) / 2
+        along = float(place @ (levels - levels.mean()))
+        return along**2 > CREEPS * float(place @ place) * levels.size * float(levels.var())
 
     def of_no_gauge(self) -> "Health":
         """Return it without what only a gauge can show: a speed stands, creeps and jumps."""
@@ -343,6 +348,8 @@ def medians(rows: FloatArray) -> FloatArray:
     return upper if rows.shape[-1] % 2 else (parted[:, :half].max(-1) + upper) / 2
 
 
+CREEPS = 0.5
+"""Share of what its levels vary by that goes with the time, from which a channel creeps."""
 BEYOND = 1e30
 """Size from which a sample is no number of a sensor: its powers are no numbers of a computer."""
 

@@ -586,15 +586,17 @@ def torn(x: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
     """
     if x.size <= 2 * (QUIET + 8):
         return np.empty((0, 2), np.intp), np.empty(0), np.empty(0)
+    step = np.diff(x)
     apart = np.zeros_like(x)
-    apart[1:-2] = (x[:-3] - x[3:]) / 2 + 1.5 * (x[2:-1] - x[1:-2])
-    size = np.abs(apart)
-    half = apart[1:-1] / 2
+    apart[1:-2] = step[1:-1] - (step[:-2] + step[2:]) / 2
+    size, half = np.abs(apart), apart[1:-1] / 2
     beside = np.maximum(np.abs(apart[:-2] + half), np.abs(apart[2:] + half))
     at = np.flatnonzero(beside < TORN_ALONE * size[1:-1]) + 1
+    at = at[(at > 4) & (at < x.size - 5)]
     # What was hit goes on about as fast.
-    moves = np.abs(np.diff(x, append=x[-1]))
-    at = at[size[at] > TORN_MOVES * np.maximum(moves[at - 1], moves[at + 1])]
+    near = np.abs(step)
+    at = at[size[at] > TORN_MOVES * np.maximum(near[at - 1], near[at + 1])]
+    at = at[size[at] > 2 * np.maximum(size[at - 3], size[at + 3])]
     for way in (-1, 1):
         at = _outstanding(size, at, way, gap=2, least=TORN, share=0.5)
     return np.stack([at + 1, at + 2], -1), apart[at], 1.5 * x[at + 1] - x[at + 2] / 2

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import FloatArray, IntArray
 from cardan.fatigue.fault import Places, places
 
 SECONDS = 5.0
@@ -48,7 +48,7 @@ class Ratios:
             pairs = rows[..., : rows.shape[-1] // 2 * 2].reshape(*rows.shape[:-1], -1, 2)
             half = pairs[..., 0] - pairs[..., 1]
             bands.append(half @ np.swapaxes(half, -1, -2))
-            rows = pairs.mean(-1)
+            rows = (pairs[..., 0] + pairs[..., 1]) / 2
         if len(bands) >= BANDS:
             self.met.append(np.stack(bands, 1).astype(np.float32))
 
@@ -90,45 +90,49 @@ def changes(own: FloatArray, other: FloatArray, both: FloatArray) -> list[tuple[
 
     Powers of two channels in spans and bands (m, b), and what they have in common.
     """
-    m = len(own)
-    if m < 2 * LEAST:
+    if len(own) < 2 * LEAST:
         return []
     with np.errstate(divide="ignore", invalid="ignore"):
         known = both**2 > ALIKE * own * other
         ratio = np.where(known, np.log(own / other) / 2, np.nan)
-    sign = np.sign(both)
-    found: list[tuple[float, int, float]] = []
-    for k in range(LEAST, m - LEAST + 1):
-        before, behind = slice(max(k - ABOUT, 0), k), slice(k, k + ABOUT)
-        change = _change(ratio[before], ratio[behind])
-        turned = np.nansum(sign[before] * known[before], 0) * np.nansum(
-            sign[behind] * known[behind], 0
+        sign = np.where(known, np.sign(both), np.nan)
+    pad = np.full((ABOUT, own.shape[-1]), np.nan)
+
+    def windows(x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return what lies before and behind each span, (m - ABOUT + 1, b, ABOUT)."""
+        every = np.lib.stride_tricks.sliding_window_view(np.vstack([pad, x, pad]), ABOUT, axis=0)
+        return every[:-ABOUT], every[ABOUT:]
+
+    (before, n), (behind, m) = map(_median, windows(ratio))
+    heard = (n >= LEAST) & (m >= LEAST)
+    change = np.where(heard, behind - before, np.nan)
+    scatter = np.maximum(
+        *(_median(np.abs(w - mid[..., None]))[0] for w, mid in zip(
+            windows(ratio), (before, behind), strict=True)
         )
-        seen = known[before].sum(0) * known[behind].sum(0) > 0
-        over = bool(seen.sum() >= BANDS and (turned[seen] < 0).all())
-        if change is not None or over:
-            by = 0.0 if change is None else change
-            found.append((abs(by) + 10 * over, k, (-1 if over else 1) * float(np.exp(by))))
+    )  # fmt: skip
+    bar = AGREED * np.abs(_median(change)[0])
+    change = np.where(scatter < bar[:, None], change, np.nan)  # else it says nothing
+    middle, bands = _median(change)
+    off = np.where(np.isnan(change), 0.0, np.abs(change - middle[:, None])).max(-1)
+    by = np.where((bands >= BANDS) & (np.abs(middle) > CHANGED) & (off <= bar), middle, 0.0)
+    turned = np.multiply(*(_median(w)[0] for w in windows(sign)))
+    over = np.where(heard, turned < 0, True).all(-1) & (heard.sum(-1) >= BANDS)
     kept: list[tuple[int, float]] = []
-    for _, k, factor in sorted(found, reverse=True):
-        if all(abs(k - other) > LEAST for other, _ in kept):
-            kept.append((k, factor))
+    for k in np.argsort(-np.abs(by) - 10 * over, kind="stable"):
+        if not (by[k] or over[k]):
+            break
+        if all(abs(k - one) > LEAST for one, _ in kept):
+            kept.append((int(k), (-1 if over[k] else 1) * float(np.exp(by[k]))))
     return sorted(kept)
 
 
-def _change(before: FloatArray, behind: FloatArray) -> float | None:
-    """Return by how much logarithms (m, b) of ratios change in all bands; None where they do not."""
-    told: list[tuple[float, float]] = []
-    for a, b in zip(before.T, behind.T, strict=True):
-        a, b = a[~np.isnan(a)], b[~np.isnan(b)]
-        if min(a.size, b.size) >= LEAST:
-            scatter = max(float(np.median(np.abs(x - np.median(x)))) for x in (a, b))
-            told.append((float(np.median(b) - np.median(a)), scatter))
-    if not told:
-        return None
-    change, scatter = np.array(told).T
-    bar = AGREED * abs(np.median(change))
-    change = change[scatter < bar]  # else it says nothing
-    middle = float(np.median(change)) if change.size >= BANDS else 0.0
-    agree = bool((np.abs(change - middle) <= bar).all())
-    return middle if abs(middle) > CHANGED and agree else None
+def _median(x: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return the median along the last axis without what is unknown (nan), and how many it is of."""
+    count = x.shape[-1] - np.isnan(x).sum(-1)
+    order = np.sort(x, axis=-1)
+    low, high = (
+        np.take_along_axis(order, np.maximum(k, 0)[..., None], -1)[..., 0]
+        for k in ((count - 1) // 2, np.minimum(count // 2, x.shape[-1] - 1))
+    )
+    return np.where(count > 0, (low + high) / 2, np.nan), count

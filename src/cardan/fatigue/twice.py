@@ -35,7 +35,7 @@ class Twice:
         if size <= 0:
             return
         mixed = (bits[:size] ^ (bits[1 : size + 1] << np.uint64(7))) * _MIX
-        chosen = np.flatnonzero((mixed >> np.uint64(40)) % np.uint64(EACH) == 0)
+        chosen = np.flatnonzero(mixed < np.uint64(2**64 // EACH))
         near = bits[chosen[:, None] + np.arange(LENGTH)]
         chosen = chosen[(near[:, 1:] != near[:, :-1]).sum(-1) >= LENGTH // 2]
         told = np.zeros(chosen.size, np.uint64)
