@@ -609,7 +609,7 @@ def _customers(of: Mix) -> tuple[list[Customer], list[Mixed]]:
 def driven(asked: Campaign, drive: Drive) -> tuple[Campaign, Recording]:
     """Return what is asked of one recording of a campaign, and that recording."""
     own = {
-        k: (*getattr(asked, k), *v) if k in ("mask", "accept") else v
+        k: (*getattr(asked, k), *v) if k in ("mask", "accept", "scale") else v
         for k, v in drive.options.items()
     }
     campaign = replace(asked, limits=None, target_hours=None, **own)
