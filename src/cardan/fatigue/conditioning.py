@@ -39,6 +39,7 @@ from cardan.fatigue.fault import (
 from cardan.fatigue.folded import Folded
 from cardan.fatigue.gain import Ratios
 from cardan.fatigue.hum import Hum, Listener
+from cardan.fatigue.stuck import Codes
 from cardan.fatigue.twice import Twice
 
 
@@ -195,6 +196,8 @@ class Health:
     bends
         Share of the samples, where it moves, at which it does not go straight on: 1 of what was
         measured at each, a twentieth where one in twenty was and lines go between.
+    stuck
+        What a bit of the converter is worth that stands still; 0 where all move.
     """
 
     samples: int
@@ -210,6 +213,7 @@ class Health:
     span: int
     hum: Hum | None = None
     bends: float = 1.0
+    stuck: float = 0.0
 
     def at(self, kind: str) -> Places:
         """Return where one kind of fault is."""
@@ -269,7 +273,7 @@ class Health:
     def of_no_gauge(self) -> "Health":
         """Return it without what only a gauge can show: a speed stands, creeps and jumps."""
         here = {kind: where for kind, where in self.faults.items() if kind in ANYWHERE}
-        return replace(self, faults=here, levels=self.levels[:0], hum=None)
+        return replace(self, faults=here, levels=self.levels[:0], hum=None, stuck=0.0)
 
     def findings(self, *, rate: float, unit: str = "") -> list[Said]:
         """Return what a user should know, a sentence each; empty if all is well.
@@ -365,6 +369,7 @@ class _Survey:
         self.span, self.rate, self.name, self.reach = span, rate, name, reach(rate)
         self.finder, self.listener = Finder(rate), Listener(rate)
         self.chatter, self.twice, self.folded = Chatter(), Twice(rate), Folded()
+        self.codes = Codes()
         self.samples = self.missing = 0
         self.low, self.high = np.inf, -np.inf
         self.total = self.squares = self.shift = 0.0
@@ -391,6 +396,7 @@ class _Survey:
         filled = bridged(padded)
         for book in (self.chatter, self.twice):
             book.add(filled[self.reach :], start=self.samples, size=x.size)
+        self.codes.add(x, start=self.samples)
         self.folded.add(filled, reach=self.reach, start=self.samples)
         self.samples += x.size
         self.missing += x.size - known.size
@@ -474,7 +480,7 @@ class _Survey:
             faults=faults,
             short=self.losses / self.crests if self.crests > 0 else 0.0,
             levels=levels, span=self.span, hum=self.listener.found(deviation=deviation),
-            bends=self.bent / self.moving if self.moving else 1.0,
+            bends=self.bent / self.moving if self.moving else 1.0, stuck=self.codes.found(),
         )  # fmt: skip
 
 

@@ -21,6 +21,7 @@ hole of it, which is unknown and not zero, and what is kept is exactly what was 
 | unit | a stress that no metal bears, or less than a gauge's noise: numbers of another unit |
 | rate | samples too seldom for what moves a driveline, or at a rate no gauge has |
 | strength | crests beyond the tensile strength that was said |
+| bit | half of all values never come: a bit of the converter stands still |
 """
 
 from collections.abc import Iterable, Mapping
@@ -33,10 +34,10 @@ from cardan.base.arrays import BoolArray, FloatArray, IntArray
 HOLE, SENTINEL, SPIKE, DROPOUT = "hole", "sentinel", "spike", "dropout"
 CLIP, FREEZE, ZERO_STEP, DRIFT = "clip", "freeze", "zero-step", "drift"
 GAIN, NOISE, REPEAT = "gain", "noise", "repeat"
-HUM, UNIT, RATE, STRENGTH = "hum", "unit", "rate", "strength"
+HUM, UNIT, RATE, STRENGTH, BIT = "hum", "unit", "rate", "strength", "bit"
 ANYWHERE = (HOLE, SENTINEL)
 """What is no value in any channel; all else is of a gauge, that swings about a zero of its own."""
-IMPOSSIBLE = (UNIT, RATE, STRENGTH)
+IMPOSSIBLE = (UNIT, RATE, STRENGTH, BIT)
 """What a gauge's stress cannot be, if all was said as it is: of it there is no damage without."""
 KINDS = (
     HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, ZERO_STEP, GAIN, NOISE, REPEAT, DRIFT, HUM,

@@ -576,7 +576,7 @@ class _Listened:
         )
         stated = Stated(
             rate=self.rate, bends=min(h.bends for h in told), fastest=self.plan.fastest,
-            ultimate=self.plan.ultimate,
+            ultimate=self.plan.ultimate, stuck=max(h.stuck for h in told),
         )  # fmt: skip
         against = stated.contradictions(
             low=one.low,

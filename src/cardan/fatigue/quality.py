@@ -14,6 +14,7 @@ from cardan.base.said import Said, said
 from cardan.base.units import MPa
 from cardan.fatigue.conditioning import Health, Treatment, gained, shifts, slow_drift
 from cardan.fatigue.fault import (
+    BIT,
     CLIP,
     DRIFT,
     FREEZE,
@@ -264,7 +265,11 @@ WOULD_BREAK = (
 NAMED_STRAIN = "its name speaks of strain, and it is taken for a stress in {unit}"
 NAMED_STRESS = "its name speaks of stress, and it is taken for a strain in {unit}"
 
-IMPOSSIBLES = (NO_METAL, NO_STRESS, SELDOM_MET, LAID, OFTEN_MET, TURNS_FASTER, BROKEN)
+STANDS_STILL = (
+    "each second band of {width} of its values is empty: a bit of the converter stands still"
+)
+
+IMPOSSIBLES = (NO_METAL, NO_STRESS, SELDOM_MET, LAID, OFTEN_MET, TURNS_FASTER, BROKEN, STANDS_STILL)
 """Why a gauge's answer cannot be true."""
 DOUBTS = (WOULD_BREAK, NAMED_STRAIN, NAMED_STRESS)
 """What makes it doubtful."""
@@ -290,6 +295,7 @@ class Stated:
     bends: float = 1.0
     fastest: float = 0.0
     ultimate: float = float("inf")
+    stuck: float = 0.0
 
     def contradictions(
         self, *, low: float, high: float, typical: float, sound: bool, plane: bool = False
@@ -333,6 +339,8 @@ class Stated:
                 TURNS_FASTER, frequency=f"{self.fastest:.3g}", rate=rate,
                 most=f"{self.rate / A_TURN:.3g}",
             )  # fmt: skip
+        if self.stuck:
+            found[BIT] = said(STANDS_STILL, width=f"{self.stuck:.3g}")
         return found
 
 

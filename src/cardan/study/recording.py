@@ -74,6 +74,7 @@ DECIDE: Mapping[str, str] = {
     "hum": "a word on its hum, which decides the damage: --mask or --accept hum",
     "unit": "the unit its numbers are in, or --accept unit",
     "rate": "a recording sampled as its stress moves, or --accept rate",
+    "bit": "a recording whose converter moves all its bits, or --accept bit",
     "strength": "the tensile strength of its part, or --accept strength",
 }
 """What a gauge needs whose answer is vetoed, by the kind of fault that leaves none."""
