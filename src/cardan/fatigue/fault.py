@@ -107,8 +107,9 @@ TORN_LEAST, TORN_CODES = 0.5, 4
 BESIDE, GREW, FITS = 3, 0.1, 0.5
 """Spans beside a tear that say whether the gain changed there; the logarithm of the least change, and
 how far from it the swing's may be."""
-TEARS = 4
-"""Of which the levels know nothing, and that are suspects all the same."""
+TEARS, MANY = 4, 12
+"""Of which the levels know nothing, and that are suspects all the same; and from how many on two of
+them are no contact that was lost."""
 STAIRS = 2.0
 """Samples that a channel keeps a value for on average, from which it moves by jumps alone."""
 BLOCK = 1024
@@ -340,7 +341,10 @@ class Finder:
         sizes = np.concatenate([np.empty(0), *(s for _, s in self.jumps)])
         known = (np.abs(sizes) > 2 * typical) & ~_touching(runs, spoiled)
         runs, sizes = runs[known], sizes[known]
-        lost = self._lost(union([spoiled, runs]), typical=typical)
+        # Torn by the dozen it is not one contact that was lost and found again.
+        torn, _ = self._torn(union([spoiled, runs]), typical=typical)
+        many = torn.count >= MANY
+        lost = NOWHERE if many else self._lost(union([spoiled, runs]), typical=typical)
         short = runs[:, 1] - runs[:, 0] <= SPIKE_WIDTH
         out[SPIKE] = Places(runs[short], sizes[short])
         out[DROPOUT] = places(

@@ -34,7 +34,7 @@ class Folded:
             return
         before, behind = padded[reach - 1 : -reach - 1], padded[reach + 1 : padded.size - reach + 1]
         # What crosses zero between two samples stands half a step off it at most.
-        bottom = np.flatnonzero((x < before) & (x <= behind) & (4 * x <= before + behind))
+        bottom = np.flatnonzero((x < before) & (x < behind) & (4 * x <= before + behind))
         near, far = (
             padded[bottom + reach - k] + padded[bottom + reach + k] - 2 * x[bottom] for k in (2, 4)
         )

@@ -45,10 +45,9 @@ class Ratios:
         rows = np.moveaxis(whole[:, :full].reshape(self.count, -1, self.size), 0, 1)
         bands: list[FloatArray] = []
         while rows.shape[-1] // 2 >= FEWEST:
-            pairs = rows[..., : rows.shape[-1] // 2 * 2].reshape(*rows.shape[:-1], -1, 2)
-            half = pairs[..., 0] - pairs[..., 1]
-            bands.append(half @ np.swapaxes(half, -1, -2))
-            rows = (pairs[..., 0] + pairs[..., 1]) / 2
+            a, b, c, d = (rows[..., k : rows.shape[-1] - 3 + k : 2] for k in range(4))
+            high, rows = (a - d + 3 * (c - b)) / 8, (a + d + 3 * (b + c)) / 8
+            bands.append(high @ np.swapaxes(high, -1, -2))
         if len(bands) >= BANDS:
             self.met.append(np.stack(bands, 1).astype(np.float32))
 
@@ -69,8 +68,12 @@ class Ratios:
         return [self._places(one) for one in _accused(told)]
 
     def _places(self, told: Sequence[tuple[int, float]]) -> Places:
-        at = {k * self.size: factor for k, factor in told}
-        return places([(k, k + 1) for k in at], list(at.values()))
+        once: list[tuple[int, float]] = []
+        for k, factor in sorted(told):
+            if not once or k - once[-1][0] > LEAST:
+                once.append((k, factor))
+        at = [k * self.size for k, _ in once]
+        return places([(k, k + 1) for k in at], [factor for _, factor in once])
 
 
 def _accused(told: list[list[tuple[int, float]]]) -> list[list[tuple[int, float]]]:
@@ -118,13 +121,23 @@ def changes(own: FloatArray, other: FloatArray, both: FloatArray) -> list[tuple[
     by = np.where((bands >= BANDS) & (np.abs(middle) > CHANGED) & (off <= bar), middle, 0.0)
     turned = np.multiply(*(_median(w)[0] for w in windows(sign)))
     over = np.where(heard, turned < 0, True).all(-1) & (heard.sum(-1) >= BANDS)
+    # The median is as large some spans before and behind: it changes where the mean does most.
+    full = np.abs(np.nan_to_num(_mean(windows(ratio)[1]) - _mean(windows(ratio)[0]))).mean(-1)
     kept: list[tuple[int, float]] = []
-    for k in np.argsort(-np.abs(by) - 10 * over, kind="stable"):
-        if not (by[k] or over[k]):
-            break
-        if all(abs(k - one) > LEAST for one, _ in kept):
-            kept.append((int(k), (-1 if over[k] else 1) * float(np.exp(by[k]))))
+    for k in np.argsort(-full - 10 * over, kind="stable"):
+        factor = (-1 if over[k] else 1) * float(np.exp(by[k]))
+        if factor != 1 and all(
+            abs(k - one) >= (ABOUT if (factor > 1) == (other > 1) else LEAST) for one, other in kept
+        ):
+            kept.append((int(k), factor))
     return sorted(kept)
+
+
+def _mean(x: FloatArray) -> FloatArray:
+    """Return the mean along the last axis without what is unknown (nan), nan of nothing."""
+    known = ~np.isnan(x)
+    total = np.where(known, x, 0.0).sum(-1)
+    return np.where(known.any(-1), total / np.maximum(known.sum(-1), 1), np.nan)
 
 
 def _median(x: FloatArray) -> tuple[FloatArray, IntArray]:

@@ -41,7 +41,7 @@ from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import (
     SHORT,
-    TOGETHER,
+    ALL_OF_THEM,
     WOULD_BREAK,
     Assumed,
     Effect,
@@ -505,7 +505,7 @@ class _Listened:
         self.sharp = short > SHORT if plan.between is None else plan.between
         self.count = _Count(plan, rate)
         self.others = {
-            k: _Tally(plan) for k, w in enumerate(how) if w.kind in kinds or w.kind == TOGETHER
+            k: _Tally(plan) for k, w in enumerate(how) if w.kind in kinds or w.kind == ALL_OF_THEM
         }
         self.how = how
         self.samples_only = _Tally(plan)
@@ -548,7 +548,7 @@ class _Listened:
             measures=self.shear.measures() if self.shear else {},
             doubts=self.gauge.doubts, damage=self.count.closed(),
             without_all=next(
-                (t.closed() for k, t in self.others.items() if self.how[k].kind == TOGETHER),
+                (t.closed() for k, t in self.others.items() if self.how[k].kind == ALL_OF_THEM),
                 float("nan"),
             ),
         )  # fmt: skip

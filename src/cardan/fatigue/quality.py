@@ -166,7 +166,7 @@ def _less(health: Health, steps: Places, gains: Places) -> Health:
     return replace(health, levels=(health.levels - shifts(steps, middle)) / gained(gains, middle))
 
 
-TOGETHER = "together"
+ALL_OF_THEM = "together"
 """Of a way in which all kinds that nobody decided on are gone: each may hide what another does."""
 
 
@@ -212,7 +212,7 @@ def ways(
                 steps=steps, gains=gains, hum=health.hum if quiet else None,
                 **({"crowned": crowns} if crowns is not None else {}),
             )  # fmt: skip
-        return Way(kind=kinds[0] if len(kinds) == 1 else TOGETHER * bool(kinds),
+        return Way(kind=kinds[0] if len(kinds) == 1 else ALL_OF_THEM * bool(kinds),
                    without=without, treatments=made)  # fmt: skip
 
     out = [way()]
