@@ -38,7 +38,7 @@ from cardan.fatigue.locked import FOUND
 from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import VETO, decided
-from cardan.fatigue.rainflow import Cycles, join
+from cardan.fatigue.rainflow import Cycles, ResidueRule, discarded, join, repeating
 from cardan.fatigue.recording import Recording, alongside, between
 from cardan.fatigue.usage import customer, usage
 from cardan.files.campaign import Campaigned, Drive, Segment
@@ -580,10 +580,12 @@ def _mixed(one: Mixed, drives: Sequence[_Driven], plan: Plan) -> Mixed:
     if not one.heard:
         return one
 
-    def gained(parts: Sequence[tuple[GaugeLife, float]]) -> float:
+    def gained(
+        parts: Sequence[tuple[GaugeLife, float]], rule: ResidueRule = repeating
+    ) -> float:
         return more_in_turn(
             [life.residue for life, _ in parts], times=[times for _, times in parts],
-            curve=plan.curve, correction=plan.correction,
+            curve=plan.curve, correction=plan.correction, rule=rule,
         )  # fmt: skip
 
     hidden, place = list[str](), 0
@@ -591,7 +593,9 @@ def _mixed(one: Mixed, drives: Sequence[_Driven], plan: Plan) -> Mixed:
         own = one.parts[place : (place := place + len(drive.segments))]
         if gained(own) > VETO * sum(times * life.life.damage for life, times in own):
             hidden += drive.hides(tuple(own[0][0].health))
-    return replace(one, between=gained(one.parts), hidden=tuple(dict.fromkeys(hidden)))
+    # What is left out of the count by choice is not put back here.
+    rule = repeating if plan.rule is discarded else plan.rule
+    return replace(one, between=gained(one.parts, rule), hidden=tuple(dict.fromkeys(hidden)))
 
 
 def _customers(of: Mix) -> tuple[list[Customer], list[Mixed]]:
