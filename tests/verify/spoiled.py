@@ -1,3 +1,4 @@
+# ruff: noqa: ARG001  (every fault is asked the same)
 """Recordings of two gauges and a torque, whole or spoiled in a known way.
 
 Nothing of the program's analysis is in here. A truck launches, shifts, cruises on a road of all
@@ -148,7 +149,7 @@ def scale(x):
 def stuck_bit(x, rate, bad, rng):
     lsb = (np.ptp(x) * 1.6) / 4096
     code = np.round((x - x.min()) / lsb).astype(int) + 200
-    bit = 1 << int(round(8 + 2 * bad))
+    bit = 1 << round(8 + 2 * bad)
     code = code | bit if rng.uniform() < 0.5 else code & ~bit
     return (code - 200) * lsb + x.min()
 

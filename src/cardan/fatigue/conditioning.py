@@ -324,10 +324,10 @@ SUSPECTED = {
     "freeze": "samples standing still: {samples}, in {places} places, the first at {first} s",
     "zero-step": "steps of the zero: {places}, the first at {first} s",
     "gain": "changes of the gain: {places}, the first at {first} s",
-    "noise": "samples of white noise, as of a contact that chatters: {samples}, in {places} places, "
+    "noise": "samples of white noise, as of a contact that chatters: {samples}, in {places} "
+    "places, the first at {first} s",
+    "repeat": "samples that were there before, to the last digit: {samples}, in {places} places, "
     "the first at {first} s",
-    "repeat": "samples that were there before, to the last digit: {samples}, in {places} places, the "
-    "first at {first} s",
 }
 """What is said of a channel, by the kind of fault."""
 

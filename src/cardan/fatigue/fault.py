@@ -99,7 +99,7 @@ FORETOLD = 10.0
 ALONE = 0.1
 """Of how far a sample is off, how much its neighbours may be off otherwise than by it."""
 TORN_ALONE, TORN = 0.25, 10.0
-"""The same of a jump between two samples; and how many times the median of those about it it is."""
+"""The same of a jump between two samples; and how many times the median about it."""
 TORN_MOVES = 2.0
 """Times what x moves in the sample before and in the one behind."""
 TORN_LEAST, TORN_CODES = 0.5, 4
@@ -398,13 +398,14 @@ class Finder:
         # One tear alone may be a blow; of several those that stay are told once.
         if torn.count < TEARS:
             return steps, gains
-        apart = steps.only(~_touching(steps.runs + [-STEP_WIDTH, STEP_WIDTH], torn.runs))
+        about = steps.runs + np.array([-STEP_WIDTH, STEP_WIDTH])
+        apart = steps.only(~_touching(about, torn.runs))
         return places(
             np.concatenate([torn.runs, apart.runs]), np.concatenate([torn.sizes, apart.sizes])
         ), gains
 
     def _torn(self, taken: IntArray, *, typical: float) -> tuple[Places, FloatArray]:
-        """Return the tears that are large enough, apart from what is `taken`, and what is behind."""
+        """Return the tears that are large enough, apart from what is `taken`; where each leads."""
         runs, sizes, heights = (np.concatenate(part) for part in zip(*self.tears, strict=True))
         kept = np.abs(sizes) > max(TORN_LEAST * typical, TORN_CODES * self._code())
         if self.start > STAIRS * max(self.changes, 1):
@@ -613,26 +614,26 @@ def _factors(
     """Return by what a gain changed at tears (k,), 1 where only the zero stepped.
 
     `behind` (k,) is where each leads to. Level and swing of some spans on both sides, as far as
-    the next tear, have to fit that better than a step.
+    the next tear, have to say the same, and better than of a step.
     """
     factors = np.ones(torn.count)
     ends = np.concatenate([[0], torn.runs[:, 0], [levels.size * span]])
     for k, (jump, to) in enumerate(zip(torn.sizes.tolist(), behind.tolist(), strict=True)):
-        first, at, last = ends[k : k + 3]
+        first, at, last = ends[k : k + 3].tolist()
         before = slice(max(-(-first // span), at // span - BESIDE), at // span)
         after = slice(-(-at // span), min(last // span, -(-at // span) + BESIDE))
         told = [np.nanmedian(x[s]) for x in (levels, swings) for s in (before, after) if x[s].size]
-        if len(told) < 4 or not min(told[2:]) > 0 or to == jump:
+        if len(told) < 4 or not min(told[2:]) > 0 or to in (0.0, jump):
             continue
         level, new, swing, wide = told
         by = to / (to - jump)
-        grown = abs(np.log(wide / swing))
-        off = abs(np.log(wide / swing / abs(by))) if by else np.inf
-        moved = abs(new - by * level) - abs(new - level - jump)
-        if abs(np.log(abs(by))) > GREW if by > 0 else by:
-            nearer = off < grown / 2 if by > 0 else moved < 0
-            if nearer and moved < swing and off < FITS:
-                factors[k] = by
+        if abs(new - by * level) > abs(new - level - jump) + swing:
+            continue  # the level knows of a step
+        grown, off = abs(np.log(wide / swing)), abs(np.log(wide / swing / abs(by)))
+        larger = by > 0 and abs(np.log(by)) > GREW and off < grown / 2
+        turned = by < 0 and abs(new - by * level) < abs(new - level - jump)
+        if off < FITS and (larger or turned):
+            factors[k] = by
     return factors
 
 

@@ -8,6 +8,7 @@ is heard in; but only a gain changes it in all of them at once, and by the same 
 from collections.abc import Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import FloatArray, IntArray
 from cardan.fatigue.fault import Places, places
@@ -30,26 +31,26 @@ class Ratios:
 
     def __init__(self, rate: float, count: int) -> None:
         self.size, self.count = max(round(SECONDS * rate), 1), count
-        self.tail: FloatArray = np.empty((count, 0))
-        self.met: list[FloatArray] = []
+        self.tail = np.empty((count, 0), np.float32)
+        self.met: list[npt.NDArray[np.float32]] = []
 
     def add(self, x: FloatArray) -> None:
         """Take samples (channels, n) without holes."""
         if self.count < 2:
             return
-        whole = np.concatenate([self.tail, x], axis=-1) if self.tail.size else x
+        whole = np.concatenate([self.tail, x.astype(np.float32)], axis=-1)
         full = whole.shape[-1] // self.size * self.size
         self.tail = whole[:, full:].copy()
         if not full:
             return
         rows = np.moveaxis(whole[:, :full].reshape(self.count, -1, self.size), 0, 1)
-        bands: list[FloatArray] = []
+        bands: list[npt.NDArray[np.float32]] = []
         while rows.shape[-1] // 2 >= FEWEST:
             a, b, c, d = (rows[..., k : rows.shape[-1] - 3 + k : 2] for k in range(4))
             high, rows = (a - d + 3 * (c - b)) / 8, (a + d + 3 * (b + c)) / 8
             bands.append(high @ np.swapaxes(high, -1, -2))
         if len(bands) >= BANDS:
-            self.met.append(np.stack(bands, 1).astype(np.float32))
+            self.met.append(np.stack(bands, 1))
 
     def found(self) -> list[Places]:
         """Return where the gain of each channel changes, and by what factor.
@@ -59,10 +60,13 @@ class Ratios:
         told: list[list[tuple[int, float]]] = [[] for _ in range(self.count)]
         if not self.met:
             return [places(()) for _ in told]
-        met = np.concatenate(self.met).astype(float)
+        met = np.concatenate(self.met)
         for i in range(self.count):
             for j in range(i):
-                for at, factor in changes(met[..., i, i], met[..., j, j], met[..., i, j]):
+                own, other, both = (
+                    met[..., a, b].astype(float) for a, b in ((i, i), (j, j), (i, j))
+                )
+                for at, factor in changes(own, other, both):
                     told[i].append((at, factor))
                     told[j].append((at, 1 / factor))
         return [self._places(one) for one in _accused(told)]
@@ -120,7 +124,7 @@ def changes(own: FloatArray, other: FloatArray, both: FloatArray) -> list[tuple[
     off = np.where(np.isnan(change), 0.0, np.abs(change - middle[:, None])).max(-1)
     by = np.where((bands >= BANDS) & (np.abs(middle) > CHANGED) & (off <= bar), middle, 0.0)
     turned = np.multiply(*(_median(w)[0] for w in windows(sign)))
-    over = np.where(heard, turned < 0, True).all(-1) & (heard.sum(-1) >= BANDS)
+    over = (~heard | (turned < 0)).all(-1) & (heard.sum(-1) >= BANDS)
     # The median is as large some spans before and behind: it changes where the mean does most.
     full = np.abs(np.nan_to_num(_mean(windows(ratio)[1]) - _mean(windows(ratio)[0]))).mean(-1)
     kept: list[tuple[int, float]] = []
@@ -141,7 +145,7 @@ def _mean(x: FloatArray) -> FloatArray:
 
 
 def _median(x: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Return the median along the last axis without what is unknown (nan), and how many it is of."""
+    """Return the median along the last axis without what is unknown, and how many it is of."""
     count = x.shape[-1] - np.isnan(x).sum(-1)
     order = np.sort(x, axis=-1)
     low, high = (

@@ -40,8 +40,8 @@ from cardan.fatigue.evidence import STANDING, SWAPPED, UNSEEN, Evidence, togethe
 from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import (
-    SHORT,
     ALL_OF_THEM,
+    SHORT,
     WOULD_BREAK,
     Assumed,
     Effect,

@@ -18,7 +18,7 @@ from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import CardanError, DesignError
 from cardan.base.said import Said, said
 from cardan.base.source import Source
-from cardan.base.units import GPa, MPa, deg, hour, rpm
+from cardan.base.units import GPa, MPa, deg, hour
 from cardan.base.verdict import Limit
 from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, local, rainflow, strain

@@ -68,7 +68,8 @@ DECIDE: Mapping[str, str] = {
     "zero-step",
     "gain": "a word on its gain, whose changes decide the damage: --mask or --accept gain",
     "noise": "a word on its noise, which decides the damage: --mask or --accept noise",
-    "repeat": "a word on what was stored twice, which decides the damage: --mask or --accept repeat",
+    "repeat": "a word on what was stored twice, which decides the damage: --mask or --accept "
+    "repeat",
     "drift": "a word on its drift, which decides the damage: --zero drift or --accept drift",
     "hole": "a recording in which it is alive for a quarter of the time",
     "hum": "a word on its hum, which decides the damage: --mask or --accept hum",
@@ -580,9 +581,7 @@ def _mixed(one: Mixed, drives: Sequence[_Driven], plan: Plan) -> Mixed:
     if not one.heard:
         return one
 
-    def gained(
-        parts: Sequence[tuple[GaugeLife, float]], rule: ResidueRule = repeating
-    ) -> float:
+    def gained(parts: Sequence[tuple[GaugeLife, float]], rule: ResidueRule = repeating) -> float:
         return more_in_turn(
             [life.residue for life, _ in parts], times=[times for _, times in parts],
             curve=plan.curve, correction=plan.correction, rule=rule,
