@@ -105,8 +105,8 @@ TORN_MOVES = 2.0
 TORN_LEAST, TORN_CODES = 0.5, 4
 """Times the channel's usual swing, and steps of its own, that a jump has at least."""
 BESIDE, GREW, FITS = 3, 0.1, 0.5
-"""Spans beside a tear that say whether the gain changed there; the logarithm of the least change, and
-how far from it the swing's may be."""
+"""Spans beside a tear that say whether the gain changed there; the logarithm of the least change,
+and how far from it the swing's may be."""
 TEARS, MANY = 4, 12
 """Of which the levels know nothing, and that are suspects all the same; and from how many on two of
 them are no contact that was lost."""

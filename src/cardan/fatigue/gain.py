@@ -38,7 +38,7 @@ class Ratios:
         """Take samples (channels, n) without holes."""
         if self.count < 2:
             return
-        whole = np.concatenate([self.tail, x.astype(np.float32)], axis=-1)
+        whole = np.concatenate([self.tail, x.astype(np.float32)], axis=-1, dtype=np.float32)
         full = whole.shape[-1] // self.size * self.size
         self.tail = whole[:, full:].copy()
         if not full:
@@ -48,7 +48,7 @@ class Ratios:
         while rows.shape[-1] // 2 >= FEWEST:
             a, b, c, d = (rows[..., k : rows.shape[-1] - 3 + k : 2] for k in range(4))
             high, rows = (a - d + 3 * (c - b)) / 8, (a + d + 3 * (b + c)) / 8
-            bands.append(high @ np.swapaxes(high, -1, -2))
+            bands.append((high @ np.swapaxes(high, -1, -2)).astype(np.float32))
         if len(bands) >= BANDS:
             self.met.append(np.stack(bands, 1))
 
