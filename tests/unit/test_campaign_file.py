@@ -12,7 +12,7 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.cli.main import cli
 from cardan.fatigue.damage import miner, more_in_turn
 from cardan.fatigue.evidence import Evidence
-from cardan.fatigue.rainflow import four_point, rainflow, repeating
+from cardan.fatigue.rainflow import four_point, half_cycles, rainflow, repeating
 from cardan.fatigue.recording import alongside, between, in_memory
 from cardan.fatigue.strength import SNCurve
 from cardan.files.campaign import read, schema
@@ -102,7 +102,7 @@ def test_the_mix_is_the_sum_of_what_is_driven(folder):
         "hill, up",
         "hill, down",
     ]
-    assert "can.csv (10 Hz), 2 s later" in document["recordings"][1]["notes"][-1]
+    assert any("can.csv (10 Hz), 2 s later" in n for n in document["recordings"][1]["notes"])
     assert document["verdict"] == "pass"
     assert len(document["checks"]) == 2
 
@@ -242,7 +242,7 @@ def test_parts_of_a_mix_make_cycles_with_each_other(tmp_path):
     _, seldom = levels(tmp_path, drives.replace("f.csv, times: 1000", "f.csv, times: 10"))
     often, rare = gauge, seldom["gauges"][0]
     gain = often["damage_in_turn"] - often["damage"]
-    assert rare["damage_in_turn"] - rare["damage"] == pytest.approx(gain / 100, rel=1e-6)
+    assert rare["damage_in_turn"] - rare["damage"] == pytest.approx(gain / 100, rel=0.01)
     # Parts of one level are told as they are.
     table(tmp_path / "f.csv", **{"time": T, "S1 [MPa]": LADEN - 90})
     assert "damage_in_turn" not in levels(tmp_path, drives)[1]["gauges"][0]
@@ -269,6 +269,20 @@ def test_what_parts_make_of_each_other_is_the_worst_that_can_be_driven():
         joined = (np.concatenate([parts[k] for k in order]) for order in orders)
         worst = max(miner(rainflow(x, rule=repeating), curve=curve) for x in joined)
         assert 0.85 < found / worst < 1.25
+
+
+def test_a_part_that_follows_itself_meets_its_own_end():
+    """Against rainflow of itself joined a hundred times: up a hill, and at its foot again."""
+    curve = SNCurve(amplitude=30e6, cycles=2e6, slope=5.0).elementary()
+    up = 1e6 * (np.linspace(0, 100, 400) + 3 * np.random.default_rng(3).normal(size=400))
+    residue = four_point(up)[1]
+    by_itself = miner(rainflow(up, rule=half_cycles), curve=curve)
+    more = more_in_turn([residue], times=[100.0], curve=curve, rule=half_cycles)
+    joined = miner(rainflow(np.tile(up, 100), rule=half_cycles), curve=curve)
+    assert 100 * by_itself + more == pytest.approx(joined, rel=0.02)
+    assert joined > 1.9 * 100 * by_itself
+    # Counted as it follows itself, nothing is left to add.
+    assert more_in_turn([residue], times=[100.0], curve=curve) == 0
 
 
 @pytest.mark.parametrize(("ramp", "kind"), [(2.0, "drift"), (0.0, "zero-step")])

@@ -244,7 +244,7 @@ SOUND = {
         50 * np.sin(np.pi * np.clip(t % 0.997 / 0.06, 0, 1)) + 0.05 * rng.normal(size=t.size)
     ),
     "a road": lambda t, _: road(t.size, seed=8),
-    "a road both ways alike": lambda t, _: np.abs(road(t.size, seed=9)),
+    "a road with a floor": lambda t, _: np.abs(road(t.size, seed=9)) - 1.0,
 }
 
 

@@ -253,8 +253,9 @@ def _drawable(_: click.Context, __: click.Parameter, out: Path | None) -> Path |
     "--mask",
     multiple=True,
     metavar="[CHANNEL=]KIND[@FROM..TO]",
-    help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze), or of a time in "
-    "seconds, FROM..TO; take a zero-step or hum off; may be repeated. Nothing is masked by itself.",
+    help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze, noise, repeat), or of "
+    "a time in seconds, FROM..TO; take a zero-step, a change of gain or hum off; may be repeated. "
+    "Nothing is masked by itself.",
 )
 @click.option(
     "--accept",

@@ -14,24 +14,33 @@ import numpy as np
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.base.errors import DesignError
 from cardan.base.said import Said, said
+from cardan.fatigue.chatter import Chatter
 from cardan.fatigue.fault import (
     ANYWHERE,
     CLIP,
     DROPOUT,
     FREEZE,
+    GAIN,
     HOLE,
+    NOISE,
     NOWHERE,
+    REPEAT,
     SENTINEL,
     SPIKE,
     ZERO_STEP,
     Finder,
     Places,
     crowned,
+    places,
     reach,
     union,
     within,
 )
+from cardan.fatigue.folded import Folded
+from cardan.fatigue.gain import Ratios
 from cardan.fatigue.hum import Hum, Listener
+from cardan.fatigue.stuck import Codes
+from cardan.fatigue.twice import Twice
 
 
 def overlapping(
@@ -187,6 +196,8 @@ class Health:
     bends
         Share of the samples, where it moves, at which it does not go straight on: 1 of what was
         measured at each, a twentieth where one in twenty was and lines go between.
+    stuck
+        What a bit of the converter is worth that stands still; 0 where all move.
     """
 
     samples: int
@@ -202,6 +213,7 @@ class Health:
     span: int
     hum: Hum | None = None
     bends: float = 1.0
+    stuck: float = 0.0
 
     def at(self, kind: str) -> Places:
         """Return where one kind of fault is."""
@@ -250,13 +262,18 @@ class Health:
 
     @property
     def drifts(self) -> bool:
-        """Whether it creeps by more than it swings."""
-        return not self.dead and abs(self.drift) > max(self.deviation, 1e-300)
+        """Whether it creeps by more than it swings: a load is high now and then, and no creep."""
+        if self.dead or not abs(self.drift) > max(self.deviation, 1e-300):
+            return False
+        levels = (self.levels - self.stepped)[~np.isnan(self.levels)]
+        place = np.arange(levels.size) - (levels.size - 1) / 2
+        along = float(place @ (levels - levels.mean()))
+        return along**2 > CREEPS * float(place @ place) * levels.size * float(levels.var())
 
     def of_no_gauge(self) -> "Health":
         """Return it without what only a gauge can show: a speed stands, creeps and jumps."""
         here = {kind: where for kind, where in self.faults.items() if kind in ANYWHERE}
-        return replace(self, faults=here, levels=self.levels[:0], hum=None)
+        return replace(self, faults=here, levels=self.levels[:0], hum=None, stuck=0.0)
 
     def findings(self, *, rate: float, unit: str = "") -> list[Said]:
         """Return what a user should know, a sentence each; empty if all is well.
@@ -306,6 +323,11 @@ SUSPECTED = {
     "clip": "samples that look clipped: {samples}, in {places} places, the first at {first} s",
     "freeze": "samples standing still: {samples}, in {places} places, the first at {first} s",
     "zero-step": "steps of the zero: {places}, the first at {first} s",
+    "gain": "changes of the gain: {places}, the first at {first} s",
+    "noise": "samples of white noise, as of a contact that chatters: {samples}, in {places} "
+    "places, the first at {first} s",
+    "repeat": "samples that were there before, to the last digit: {samples}, in {places} places, "
+    "the first at {first} s",
 }
 """What is said of a channel, by the kind of fault."""
 
@@ -330,6 +352,8 @@ def medians(rows: FloatArray) -> FloatArray:
     return upper if rows.shape[-1] % 2 else (parted[:, :half].max(-1) + upper) / 2
 
 
+CREEPS = 0.5
+"""Share of what its levels vary by that goes with the time, from which a channel creeps."""
 BEYOND = 1e30
 """Size from which a sample is no number of a sensor: its powers are no numbers of a computer."""
 
@@ -344,6 +368,8 @@ class _Survey:
     def __init__(self, span: int, rate: float, name: str) -> None:
         self.span, self.rate, self.name, self.reach = span, rate, name, reach(rate)
         self.finder, self.listener = Finder(rate), Listener(rate)
+        self.chatter, self.twice, self.folded = Chatter(), Twice(rate), Folded()
+        self.codes = Codes()
         self.samples = self.missing = 0
         self.low, self.high = np.inf, -np.inf
         self.total = self.squares = self.shift = 0.0
@@ -367,9 +393,13 @@ class _Survey:
                 f"{place + 1}, {place / self.rate:.6g} s"
             )
             raise DesignError(f"{self.name}: {msg}" if self.name else msg)
+        filled = bridged(padded)
+        for book in (self.chatter, self.twice):
+            book.add(filled[self.reach :], start=self.samples, size=x.size)
+        self.codes.add(x, start=self.samples)
+        self.folded.add(filled, reach=self.reach, start=self.samples)
         self.samples += x.size
         self.missing += x.size - known.size
-        filled = bridged(padded)
         self.finder.add(padded, filled)
         self.listener.add(filled[self.reach : padded.size - self.reach])
         self._levels(x)
@@ -416,7 +446,8 @@ class _Survey:
             self.swings.append(swing)
         self.tail = whole[full:]
 
-    def health(self) -> Health:
+    def health(self, *, gains: Places = NOWHERE) -> Health:
+        """Return what was found, with what other channels say of its gain."""
         known = self.samples - self.missing
         mean = self.total / known if known else np.nan
         variance = self.squares / known - mean**2 if known else np.nan
@@ -424,17 +455,24 @@ class _Survey:
         if not self.swings:  # shorter than a span
             self._levels(np.empty(0), last=True)
         swings = np.concatenate(self.swings or [np.empty(0)])
-        swings = swings[swings > 0]
-        typical = float(np.median(swings)) if swings.size else 0.0
+        moving = swings[swings > 0]
+        typical = float(np.median(moving)) if moving.size else 0.0
         alive = self.high > self.low
         faults = dict(self.finder.found(typical=typical)) if alive else {}
         levels = np.concatenate(self.levels or [np.empty(0)])
         jumps = union(faults[k].runs for k in (SPIKE, DROPOUT, SENTINEL) if k in faults)
-        steps = self.finder.stepped(
-            levels, span=self.span, typical=typical, jumps=Places(jumps, np.zeros(len(jumps)))
-        )
-        if alive and steps.count:
-            faults[ZERO_STEP] = steps
+        steps, changed = self.finder.stepped(
+            levels, swings=swings, span=self.span, typical=typical,
+            jumps=Places(jumps, np.zeros(len(jumps))),
+        )  # fmt: skip
+        turned = self.folded.found()
+        if turned.size:
+            changed = Places(np.stack([turned, turned + 1], -1), np.full(turned.size, -1.0))
+        others = {
+            ZERO_STEP: steps, GAIN: changed if changed.count else gains,
+            NOISE: places(self.chatter.found()), REPEAT: places(self.twice.found()),
+        }  # fmt: skip
+        faults |= {kind: where for kind, where in others.items() if alive and where.count}
         return Health(
             samples=self.samples, missing=self.missing,
             low=self.low, high=self.high, mean=mean + self.shift,
@@ -442,7 +480,7 @@ class _Survey:
             faults=faults,
             short=self.losses / self.crests if self.crests > 0 else 0.0,
             levels=levels, span=self.span, hum=self.listener.found(deviation=deviation),
-            bends=self.bent / self.moving if self.moving else 1.0,
+            bends=self.bent / self.moving if self.moving else 1.0, stuck=self.codes.found(),
         )  # fmt: skip
 
 
@@ -463,19 +501,30 @@ def survey(
         Of the channels, for messages.
     """
     found: list[_Survey] = []
+    ratios: Ratios | None = None
     for padded in overlapping(pieces, reach=reach(rate), mirrored=True):
-        if not found:
+        if ratios is None:
             called = names or [""] * len(padded)
             found = [_Survey(max(round(span * rate), 1), rate, name) for name in called]
+            ratios = Ratios(rate, len(padded))
         for channel, x in zip(found, padded, strict=True):
             channel.add(x)
-    return [channel.health() for channel in found]
+        ratios.add(bridged(padded[:, reach(rate) : padded.shape[-1] - reach(rate)]))
+    if ratios is None:
+        return []
+    return [c.health(gains=g) for c, g in zip(found, ratios.found(), strict=True)]
 
 
 def shifts(steps: Places, samples: ArrayLike) -> FloatArray:
     """Return what steps of the zero have added up to at samples (n,)."""
     total = np.append(0.0, np.cumsum(steps.sizes))
     return total[np.searchsorted(steps.runs[:, 0], np.asarray(samples), side="right")]
+
+
+def gained(gains: Places, samples: ArrayLike) -> FloatArray:
+    """Return what changes of the gain have multiplied up to at samples (n,)."""
+    total = np.append(1.0, np.cumprod(gains.sizes))
+    return total[np.searchsorted(gains.runs[:, 0], np.asarray(samples), side="right")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -490,6 +539,8 @@ class Treatment:
         Clipped crests put back by parabolas: for an estimate, never for a verdict.
     steps
         Steps of the zero that are taken off.
+    gains
+        Changes of the gain that are taken back: from each on, by the factor that is its size.
     hum
         Of the mains, taken off; None: left.
     baseline : (spans,)
@@ -501,6 +552,7 @@ class Treatment:
     masked: IntArray = field(default_factory=lambda: NOWHERE.runs)
     crowned: Places = NOWHERE
     steps: Places = NOWHERE
+    gains: Places = NOWHERE
     hum: Hum | None = None
     baseline: FloatArray = field(default_factory=lambda: np.empty(0))
     span: int = 1
@@ -514,6 +566,8 @@ class Treatment:
             x = np.where(hidden, np.nan, x)
         if self.steps.count:
             x = x - shifts(self.steps, np.arange(start, start + x.size))
+        if self.gains.count:
+            x = x / gained(self.gains, np.arange(start, start + x.size))
         if self.hum is not None:
             x = x - self.hum.at(start, x.size)
         if self.baseline.any():

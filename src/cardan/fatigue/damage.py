@@ -90,14 +90,15 @@ def nearly(
 
 def more_in_turn(
     residues: Sequence[FloatArray], *, times: Sequence[float], curve: SNCurve,
-    correction: Correction = uncorrected,
+    correction: Correction = uncorrected, rule: ResidueRule = repeating,
 ) -> float:  # fmt: skip
-    """Damage that stretches driven again and again two in turn do beyond each by itself.
+    """Damage that stretches driven again and again do beyond each counted by itself.
 
     What closed within a stretch stays closed whatever is driven around it; tops of one that meet
-    bottoms of another make cycles that no stretch has. Those two come first that make most of
-    each other, as often as both are driven; what is left of a stretch follows itself. It is of an
-    order that can be driven, and no bound of all.
+    bottoms of another make cycles that no stretch has, and so does the end of one that meets its
+    own beginning. Those two come first that make most of each other, as often as both are driven;
+    what is left of a stretch follows itself. It is of an order that can be driven, and no bound of
+    all.
 
     Parameters
     ----------
@@ -105,17 +106,19 @@ def more_in_turn(
         Reversals that each stretch left open.
     times
         How often each is driven.
+    rule
+        By which each was counted; by the default it had followed itself already.
     """
 
-    def again(*which: int) -> float:
-        loop = rainflow(np.concatenate([residues[k] for k in which]), rule=repeating)
-        return miner(loop, curve=curve, correction=correction)
+    def count(*which: int, by: ResidueRule = repeating) -> float:
+        legs = rainflow(np.concatenate([residues[k] for k in which]), rule=by)
+        return miner(legs, curve=curve, correction=correction)
 
-    alone = [again(k) for k in range(len(residues))]
-    more = {
-        (i, j): again(i, j) - alone[i] - alone[j] for i, j in combinations(range(len(alone)), 2)
-    }
-    left, total = list(times), 0.0
+    each = range(len(residues))
+    alone = [count(k) for k in each]
+    more = {(i, j): count(i, j) - alone[i] - alone[j] for i, j in combinations(each, 2)}
+    left = list(times)
+    total = sum(n * (alone[k] - count(k, by=rule)) for k, n in enumerate(times))
     for (i, j), gain in sorted(more.items(), key=lambda of: -of[1]):
         often = min(left[i], left[j])
         if gain > 0 and often > 0:

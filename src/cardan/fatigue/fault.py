@@ -12,12 +12,16 @@ hole of it, which is unknown and not zero, and what is kept is exactly what was 
 | dropout | the same, longer and level; or a contact lost for some seconds between two steps |
 | clip | crests cut off at one level |
 | freeze | one value for longer than the channel ever keeps one |
-| zero-step | the level steps from one sample to the next, and stays |
+| zero-step | the signal is torn: it steps from one sample to the next, and goes on as before |
+| gain | from some place on it answers so many times as much, or the other way round |
+| noise | white for some tenths of a second, as a contact that chatters: no structure answers so |
+| repeat | what was written before, to the last digit: a buffer that was stored twice |
 | drift | the level creeps by more than the channel swings |
 | hum | a tone of the mains, 50 or 60 Hz, that neither speed nor load moves |
 | unit | a stress that no metal bears, or less than a gauge's noise: numbers of another unit |
 | rate | samples too seldom for what moves a driveline, or at a rate no gauge has |
 | strength | crests beyond the tensile strength that was said |
+| bit | half of all values never come: a bit of the converter stands still |
 """
 
 from collections.abc import Iterable, Mapping
@@ -29,16 +33,22 @@ from cardan.base.arrays import BoolArray, FloatArray, IntArray
 
 HOLE, SENTINEL, SPIKE, DROPOUT = "hole", "sentinel", "spike", "dropout"
 CLIP, FREEZE, ZERO_STEP, DRIFT = "clip", "freeze", "zero-step", "drift"
-HUM, UNIT, RATE, STRENGTH = "hum", "unit", "rate", "strength"
+GAIN, NOISE, REPEAT = "gain", "noise", "repeat"
+HUM, UNIT, RATE, STRENGTH, BIT = "hum", "unit", "rate", "strength", "bit"
 ANYWHERE = (HOLE, SENTINEL)
 """What is no value in any channel; all else is of a gauge, that swings about a zero of its own."""
-IMPOSSIBLE = (UNIT, RATE, STRENGTH)
+IMPOSSIBLE = (UNIT, RATE, STRENGTH, BIT)
 """What a gauge's stress cannot be, if all was said as it is: of it there is no damage without."""
-KINDS = (HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, ZERO_STEP, DRIFT, HUM, *IMPOSSIBLE)
-MASKABLE = (SENTINEL, SPIKE, DROPOUT, FREEZE)
+KINDS = (
+    HOLE, SENTINEL, SPIKE, DROPOUT, CLIP, FREEZE, ZERO_STEP, GAIN, NOISE, REPEAT, DRIFT, HUM,
+    *IMPOSSIBLE,
+)  # fmt: skip
+MASKABLE = (SENTINEL, SPIKE, DROPOUT, FREEZE, NOISE, REPEAT)
 """What a hole can be made of: what a clip cut off, and where a drift began, nobody knows."""
-REMOVABLE = (*MASKABLE, ZERO_STEP, HUM)
-"""What a rule can take out: a step of the zero and hum make no hole, they are taken off."""
+TAKEN_OFF = (ZERO_STEP, GAIN, HUM)
+"""What makes no hole: it is taken off, and the rest is what was measured."""
+REMOVABLE = (*MASKABLE, *TAKEN_OFF)
+"""What a rule can take out."""
 
 SENTINELS = (
     -32768.0, 32767.0, 65535.0, -999.25, 9.96921e36, 1e30, -1e30, 1e20, -1e20,
@@ -88,6 +98,20 @@ FORETOLD = 10.0
 """The same of a sample that its neighbours do not foretell."""
 ALONE = 0.1
 """Of how far a sample is off, how much its neighbours may be off otherwise than by it."""
+TORN_ALONE, TORN = 0.25, 10.0
+"""The same of a jump between two samples; and how many times the median about it."""
+TORN_MOVES = 2.0
+"""Times what x moves in the sample before and in the one behind."""
+TORN_LEAST, TORN_CODES = 0.5, 4
+"""Times the channel's usual swing, and steps of its own, that a jump has at least."""
+BESIDE, GREW, FITS = 3, 0.1, 0.5
+"""Spans beside a tear that say whether the gain changed there; the logarithm of the least change,
+and how far from it the swing's may be."""
+TEARS, MANY = 4, 12
+"""Of which the levels know nothing, and that are suspects all the same; and from how many on two of
+them are no contact that was lost."""
+STAIRS = 2.0
+"""Samples that a channel keeps a value for on average, from which it moves by jumps alone."""
 BLOCK = 1024
 """Samples whose highest and lowest are kept."""
 RARE = 0.1
@@ -114,6 +138,10 @@ class Places:
     def count(self) -> int:
         """How many there are."""
         return len(self.runs)
+
+    def only(self, kept: BoolArray) -> "Places":
+        """Return some of them."""
+        return Places(self.runs[kept], self.sizes[kept])
 
     @property
     def samples(self) -> int:
@@ -182,6 +210,7 @@ class Finder:
         self.start = 0
         self.jumps: list[tuple[IntArray, FloatArray]] = []
         self.steps: list[tuple[IntArray, FloatArray]] = []
+        self.tears: list[tuple[IntArray, FloatArray, FloatArray]] = []
         self.sentinels: list[tuple[IntArray, FloatArray]] = []
         self.top, self.bottom = _Plateaus(), _Plateaus()
         self.crests = {1: _Crests(), -1: _Crests()}
@@ -221,6 +250,9 @@ class Finder:
         runs, sizes = _steps(filled, widths=self.widths)
         mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
         self.steps.append((runs[mine] + offset, sizes[mine]))
+        runs, sizes, heights = torn(filled)
+        mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
+        self.tears.append((runs[mine] + offset, sizes[mine], heights[mine]))
         self._plateaus(filled, offset, x.size)
         self._crests(filled, offset, x.size)
         self.start += x.size
@@ -309,7 +341,10 @@ class Finder:
         sizes = np.concatenate([np.empty(0), *(s for _, s in self.jumps)])
         known = (np.abs(sizes) > 2 * typical) & ~_touching(runs, spoiled)
         runs, sizes = runs[known], sizes[known]
-        lost = self._lost(union([spoiled, runs]), typical=typical)
+        # Torn by the dozen it is not one contact that was lost and found again.
+        torn, _ = self._torn(union([spoiled, runs]), typical=typical)
+        many = torn.count >= MANY
+        lost = NOWHERE if many else self._lost(union([spoiled, runs]), typical=typical)
         short = runs[:, 1] - runs[:, 0] <= SPIKE_WIDTH
         out[SPIKE] = Places(runs[short], sizes[short])
         out[DROPOUT] = places(
@@ -340,23 +375,47 @@ class Finder:
         free = (np.abs(sizes) > 2 * typical) & ~_touching(about, taken)
         return runs[free], sizes[free]
 
-    def stepped(self, levels: FloatArray, *, span: int, typical: float, jumps: Places) -> Places:
-        """Return the steps of the zero: those that the levels (spans,) on both sides confirm.
+    def stepped(
+        self, levels: FloatArray, *, swings: FloatArray, span: int, typical: float, jumps: Places
+    ) -> tuple[Places, Places]:
+        """Return the steps of the zero: tears, and what takes some samples and stays.
 
-        A load that comes within a sample and stays looks the same, so they are suspects. What
-        jumps off and back (`jumps`) is none.
+        Of that the levels (spans,) on both sides have to know. A load that comes within a sample
+        looks the same, so they are suspects. What jumps off and back (`jumps`) is none. Beside
+        them, what changed the gain: from there on level and swing (`swings`) are as many times.
         """
-        runs, sizes = self._steps_of(jumps.runs, typical=typical)
+        torn, heights = self._torn(jumps.runs, typical=typical)
+        by = _factors(torn, heights, levels=levels, swings=swings, span=span)
+        torn, gains = torn.only(by == 1.0), Places(torn.runs, by).only(by != 1.0)
+        runs, sizes = self._steps_of(union([jumps.runs, gains.runs]), typical=typical)
         at = runs.mean(axis=-1).astype(np.intp)
-        kept: list[tuple[int, float]] = []
-        for i, size in zip(at.tolist(), sizes.tolist(), strict=True):
-            before, behind = i // span - 1, -(-i // span)
-            if before < 0 or behind >= levels.size:
-                continue
-            moved = levels[behind] - levels[before]
-            if abs(moved - size) < 0.4 * abs(size):
-                kept.append((i, size))
-        return places([(i, i + 1) for i, _ in kept], [size for _, size in kept])
+        before, behind = at // span - 1, -(-at // span)
+        within = (before >= 0) & (behind < levels.size)
+        at, sizes = at[within], sizes[within]
+        moved = levels[behind[within]] - levels[before[within]]
+        stays = np.abs(moved - sizes) < 0.4 * np.abs(sizes)
+        steps = Places(np.stack([at, at + 1], -1)[stays], sizes[stays])
+        # One tear alone may be a blow; of several those that stay are told once.
+        if torn.count < TEARS:
+            return steps, gains
+        about = steps.runs + np.array([-STEP_WIDTH, STEP_WIDTH])
+        apart = steps.only(~_touching(about, torn.runs))
+        return places(
+            np.concatenate([torn.runs, apart.runs]), np.concatenate([torn.sizes, apart.sizes])
+        ), gains
+
+    def _torn(self, taken: IntArray, *, typical: float) -> tuple[Places, FloatArray]:
+        """Return the tears that are large enough, apart from what is `taken`; where each leads."""
+        runs, sizes, heights = (np.concatenate(part) for part in zip(*self.tears, strict=True))
+        kept = np.abs(sizes) > max(TORN_LEAST * typical, TORN_CODES * self._code())
+        if self.start > STAIRS * max(self.changes, 1):
+            kept[:] = False
+        kept &= ~_touching(np.stack([runs[:, 0] - 1, runs[:, 1] + 1], -1), taken)
+        return Places(runs[kept], sizes[kept]), heights[kept]
+
+    def _code(self) -> float:
+        """Return the smallest step of the channel."""
+        return self.step if self.step < np.inf else 0.0
 
     def _sentinels(self) -> Places:
         """Numbers of `SENTINELS` that stand farther out of all others than those span."""
@@ -524,6 +583,60 @@ def _pricks(x: FloatArray) -> tuple[IntArray, FloatArray]:
     return np.stack([at, at + 1], -1), off[at]
 
 
+def torn(x: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Return where x is torn: runs (k, 2) of one sample each, how far it jumps to it, and where to.
+
+    Lines through two samples on either side do not meet half way, and do so at the places before
+    and behind but for that jump. Whatever bends and swings about it, a structure that was hit goes
+    on to move; a wire that was touched, a bit that stands still or a code that ran over does not.
+    """
+    if x.size <= 2 * (QUIET + 8):
+        return np.empty((0, 2), np.intp), np.empty(0), np.empty(0)
+    step = np.diff(x)
+    apart = np.zeros_like(x)
+    apart[1:-2] = step[1:-1] - (step[:-2] + step[2:]) / 2
+    size, half = np.abs(apart), apart[1:-1] / 2
+    beside = np.maximum(np.abs(apart[:-2] + half), np.abs(apart[2:] + half))
+    at = np.flatnonzero(beside < TORN_ALONE * size[1:-1]) + 1
+    at = at[(at > 4) & (at < x.size - 5)]
+    # What was hit goes on about as fast.
+    near = np.abs(step)
+    at = at[size[at] > TORN_MOVES * np.maximum(near[at - 1], near[at + 1])]
+    at = at[size[at] > 2 * np.maximum(size[at - 3], size[at + 3])]
+    for way in (-1, 1):
+        at = _outstanding(size, at, way, gap=2, least=TORN, share=0.5)
+    return np.stack([at + 1, at + 2], -1), apart[at], 1.5 * x[at + 1] - x[at + 2] / 2
+
+
+def _factors(
+    torn: Places, behind: FloatArray, *, levels: FloatArray, swings: FloatArray, span: int
+) -> FloatArray:
+    """Return by what a gain changed at tears (k,), 1 where only the zero stepped.
+
+    `behind` (k,) is where each leads to. Level and swing of some spans on both sides, as far as
+    the next tear, have to say the same, and better than of a step.
+    """
+    factors = np.ones(torn.count)
+    ends = np.concatenate([[0], torn.runs[:, 0], [levels.size * span]])
+    for k, (jump, to) in enumerate(zip(torn.sizes.tolist(), behind.tolist(), strict=True)):
+        first, at, last = ends[k : k + 3].tolist()
+        before = slice(max(-(-first // span), at // span - BESIDE), at // span)
+        after = slice(-(-at // span), min(last // span, -(-at // span) + BESIDE))
+        told = [np.nanmedian(x[s]) for x in (levels, swings) for s in (before, after) if x[s].size]
+        if len(told) < 4 or not min(told[2:]) > 0 or to in (0.0, jump):
+            continue
+        level, new, swing, wide = told
+        by = to / (to - jump)
+        if abs(new - by * level) > abs(new - level - jump) + swing:
+            continue  # the level knows of a step
+        grown, off = abs(np.log(wide / swing)), abs(np.log(wide / swing / abs(by)))
+        larger = by > 0 and abs(np.log(by)) > GREW and off < grown / 2
+        turned = by < 0 and abs(new - by * level) < abs(new - level - jump)
+        if off < FITS and (larger or turned):
+            factors[k] = by
+    return factors
+
+
 def _steps(x: FloatArray, *, widths: tuple[int, ...]) -> tuple[IntArray, FloatArray]:
     """Return runs (k, 2) in which the level becomes another, calm on both sides, by how much.
 
@@ -552,16 +665,17 @@ def _stepped(x: FloatArray, lag: int) -> tuple[IntArray, FloatArray]:
 
 
 def _outstanding(
-    size: FloatArray, at: IntArray, way: int, *, gap: int = 1, least: float = OUTSTANDING
-) -> IntArray:
-    """Those jumps that stand out of the steps before them (way -1) or behind (1), by a gap."""
+    size: FloatArray, at: IntArray, way: int, *, gap: int = 1, least: float = OUTSTANDING,
+    share: float = 0.9,
+) -> IntArray:  # fmt: skip
+    """Those jumps that stand out of a share of the steps before them (way -1) or behind (1)."""
     first = at + 1 + gap if way > 0 else at - gap - QUIET
     inside = (first >= 0) & (first + QUIET <= size.size)
     at, first = at[inside], first[inside]
     if not at.size:
         return at
     near = np.lib.stride_tricks.sliding_window_view(size, QUIET)[first]
-    usual = np.partition(near, int(0.9 * QUIET), axis=-1)[:, int(0.9 * QUIET)]
+    usual = np.partition(near, int(share * QUIET), axis=-1)[:, int(share * QUIET)]
     return at[size[at] > least * usual]
 
 

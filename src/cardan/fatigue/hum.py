@@ -23,9 +23,9 @@ STRAYS = 0.1
 (2017), article 127."""
 LEAST = 0.05
 """Amplitude over the channel's deviation from which hum is a suspect."""
-LEAST_SECONDS, WHILE = 8, 20
-"""Seconds of a recording in which a steady tone is told from one that passes, and of one that is
-there for a part of the time: at cruise an order of a shaft holds still for some seconds."""
+WHILE, IN_ALL = 8, 20
+"""Seconds in which a steady tone is told from one that passes, and of which it has to be there in
+all, or in the whole recording: at cruise an order of a shaft holds still for some."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +99,7 @@ class Listener:
         if not self.met:
             return None
         met = np.concatenate(self.met).reshape(-1, len(self.mains), 3)
-        if len(met) < LEAST_SECONDS:
+        if len(met) < WHILE:
             return None
         # A second begins whole samples after the one before: where the tone is by then.
         begun = np.arange(len(met)) * self.size / self.rate
@@ -108,7 +108,7 @@ class Listener:
             z = met[:, n, 0] * np.exp(-2j * np.pi * ((f * begun) % 1.0))
             beside = (np.abs(met[:, n, 1:]) ** 2).mean(-1)
             hums = _humming(z, beside, least=LEAST * deviation, strays=k * STRAYS)
-            if hums.any():
+            if hums.sum() >= min(IN_ALL, len(met)):
                 loudest[f] = np.where(hums, z, 0.0)
         if not loudest:
             return None
@@ -129,7 +129,7 @@ def _humming(z: ComplexArray, beside: FloatArray, *, least: float, strays: float
         return np.lib.stride_tricks.sliding_window_view(x, size)
 
     own, turn = over(power), over(turned, n - 1).sum(-1)
-    still = np.abs(turn) > 0.9 * own[:, 1:].sum(-1)
+    still = np.abs(turn) > 0.93 * own[:, 1:].sum(-1)
     grid = np.abs(np.angle(turn)) < 2 * np.pi * strays
     low, typical, high = np.quantile(own, [0.1, 0.5, 0.9], axis=-1)
     loud = (typical > least**2) & (typical > 8 * np.median(over(beside), axis=-1))

@@ -40,6 +40,7 @@ from cardan.fatigue.evidence import STANDING, SWAPPED, UNSEEN, Evidence, togethe
 from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import (
+    ALL_OF_THEM,
     SHORT,
     WOULD_BREAK,
     Assumed,
@@ -503,7 +504,9 @@ class _Listened:
         short = max((h.short for h in healths.values() if not h.dead), default=0.0)
         self.sharp = short > SHORT if plan.between is None else plan.between
         self.count = _Count(plan, rate)
-        self.others = {k: _Tally(plan) for k, w in enumerate(how) if w.kind in kinds}
+        self.others = {
+            k: _Tally(plan) for k, w in enumerate(how) if w.kind in kinds or w.kind == ALL_OF_THEM
+        }
         self.how = how
         self.samples_only = _Tally(plan)
         self.shear = _Shear(plan) if gauge.plane is not None else None
@@ -543,7 +546,11 @@ class _Listened:
             samples_only=self.samples_only.closed() if self.sharp else float("nan"),
             biaxiality=self.shear.biaxiality() if self.shear else float("nan"),
             measures=self.shear.measures() if self.shear else {},
-            doubts=self.gauge.doubts,
+            doubts=self.gauge.doubts, damage=self.count.closed(),
+            without_all=next(
+                (t.closed() for k, t in self.others.items() if self.how[k].kind == ALL_OF_THEM),
+                float("nan"),
+            ),
         )  # fmt: skip
         one = self.count.result(self.gauge, self.healths, quality)
         one = replace(one, quality=self._held(one))
@@ -569,7 +576,7 @@ class _Listened:
         )
         stated = Stated(
             rate=self.rate, bends=min(h.bends for h in told), fastest=self.plan.fastest,
-            ultimate=self.plan.ultimate,
+            ultimate=self.plan.ultimate, stuck=max(h.stuck for h in told),
         )  # fmt: skip
         against = stated.contradictions(
             low=one.low,

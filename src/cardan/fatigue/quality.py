@@ -12,11 +12,13 @@ import numpy as np
 from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.said import Said, said
 from cardan.base.units import MPa
-from cardan.fatigue.conditioning import Health, Treatment, shifts, slow_drift
+from cardan.fatigue.conditioning import Health, Treatment, gained, shifts, slow_drift
 from cardan.fatigue.fault import (
+    BIT,
     CLIP,
     DRIFT,
     FREEZE,
+    GAIN,
     HOLE,
     HUM,
     IMPOSSIBLE,
@@ -25,6 +27,7 @@ from cardan.fatigue.fault import (
     RATE,
     REMOVABLE,
     STRENGTH,
+    TAKEN_OFF,
     UNIT,
     ZERO_STEP,
     Places,
@@ -146,7 +149,7 @@ def _creep(health: Health) -> FloatArray:
 
 
 def _off(of: Decided, *, every: bool, none: bool) -> Places:
-    """Return the steps of the zero that are taken off: those that rules mask, all, or none."""
+    """Return the places that are taken off: those that rules mask, all, or none."""
     if none:
         return NOWHERE
     if every:
@@ -155,12 +158,16 @@ def _off(of: Decided, *, every: bool, none: bool) -> Places:
     return Places(of.places.runs[mine], of.places.sizes[mine])
 
 
-def _less(health: Health, steps: Places) -> Health:
-    """Return a channel's health with steps taken off its levels."""
-    if not steps.count:
+def _less(health: Health, steps: Places, gains: Places) -> Health:
+    """Return a channel's health with steps and gains taken off its levels."""
+    if not (steps.count or gains.count):
         return health
     middle = (np.arange(health.levels.size) + 0.5) * health.span
-    return replace(health, levels=health.levels - shifts(steps, middle))
+    return replace(health, levels=(health.levels - shifts(steps, middle)) / gained(gains, middle))
+
+
+ALL_OF_THEM = "together"
+"""Of a way in which all kinds that nobody decided on are gone: each may hide what another does."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,31 +189,34 @@ def ways(
     """
     book = {c: decided(h, channel=c, rules=rules, rate=rate) for c, h in healths.items()}
 
-    def way(kind: str = "", *, without: bool = True) -> Way:
+    def way(*kinds: str, without: bool = True) -> Way:
         made: dict[str, Treatment] = {}
         for channel, health in healths.items():
             own = book[channel]
             runs = [windows(channel=channel, rules=rules, rate=rate, samples=health.samples)]
-            runs += [d.masked for k, d in own.items() if k not in (kind, ZERO_STEP, HUM)]
-            if without and kind in MASKABLE and kind in own:
-                runs.append(own[kind].places.runs)
-            steps = NOWHERE
-            if ZERO_STEP in own:
-                every = without and kind == ZERO_STEP
-                steps = _off(own[ZERO_STEP], every=every, none=kind == ZERO_STEP and not without)
+            runs += [d.masked for k, d in own.items() if k not in (*kinds, *TAKEN_OFF)]
+            if without:
+                runs += [own[k].places.runs for k in kinds if k in MASKABLE and k in own]
+            steps, gains = (
+                _off(own[k], every=without and k in kinds, none=k in kinds and not without)
+                if k in own else NOWHERE
+                for k in (ZERO_STEP, GAIN)
+            )  # fmt: skip
             level = baseline
-            if kind == DRIFT and without and kind in own:
+            if DRIFT in kinds and without and DRIFT in own:
                 level = _creep
-            quiet = without if kind == HUM else HUM in own and len(own[HUM].masked) > 0
-            crowns = own[CLIP].places if kind == CLIP and kind in own else None
+            quiet = without if HUM in kinds else HUM in own and len(own[HUM].masked) > 0
+            crowns = own[CLIP].places if CLIP in kinds and CLIP in own else None
             made[channel] = Treatment(
-                masked=union(runs), baseline=level(_less(health, steps)), span=health.span,
-                steps=steps, hum=health.hum if quiet else None,
+                masked=union(runs), baseline=level(_less(health, steps, gains)), span=health.span,
+                steps=steps, gains=gains, hum=health.hum if quiet else None,
                 **({"crowned": crowns} if crowns is not None else {}),
             )  # fmt: skip
-        return Way(kind=kind, without=without, treatments=made)
+        return Way(kind=kinds[0] if len(kinds) == 1 else ALL_OF_THEM * bool(kinds),
+                   without=without, treatments=made)  # fmt: skip
 
     out = [way()]
+    open_: list[str] = []
     for kind in dict.fromkeys(k for told in book.values() for k in told):
         if kind in (HOLE, FREEZE):  # no cycle comes or goes with them, only time
             continue
@@ -216,7 +226,9 @@ def ways(
             out.append(way(kind))
         if masked:
             out.append(way(kind, without=False))
-    return out
+        if any(len(d.open) for d in of):
+            open_.append(kind)
+    return [*out, way(*open_)] if len(open_) > 1 else out
 
 
 NO_METAL = (
@@ -253,7 +265,11 @@ WOULD_BREAK = (
 NAMED_STRAIN = "its name speaks of strain, and it is taken for a stress in {unit}"
 NAMED_STRESS = "its name speaks of stress, and it is taken for a strain in {unit}"
 
-IMPOSSIBLES = (NO_METAL, NO_STRESS, SELDOM_MET, LAID, OFTEN_MET, TURNS_FASTER, BROKEN)
+STANDS_STILL = (
+    "each second band of {width} of its values is empty: a bit of the converter stands still"
+)
+
+IMPOSSIBLES = (NO_METAL, NO_STRESS, SELDOM_MET, LAID, OFTEN_MET, TURNS_FASTER, BROKEN, STANDS_STILL)
 """Why a gauge's answer cannot be true."""
 DOUBTS = (WOULD_BREAK, NAMED_STRAIN, NAMED_STRESS)
 """What makes it doubtful."""
@@ -279,6 +295,7 @@ class Stated:
     bends: float = 1.0
     fastest: float = 0.0
     ultimate: float = float("inf")
+    stuck: float = 0.0
 
     def contradictions(
         self, *, low: float, high: float, typical: float, sound: bool, plane: bool = False
@@ -322,6 +339,8 @@ class Stated:
                 TURNS_FASTER, frequency=f"{self.fastest:.3g}", rate=rate,
                 most=f"{self.rate / A_TURN:.3g}",
             )  # fmt: skip
+        if self.stuck:
+            found[BIT] = said(STANDS_STILL, width=f"{self.stuck:.3g}")
         return found
 
 
@@ -358,8 +377,13 @@ class Effect:
     @property
     def change(self) -> float:
         """How much more the larger of the two damages is than the smaller, relative."""
-        low, high = sorted((self.recorded, self.without))
-        return high / low - 1 if low > 0 else (np.inf if high > 0 else 0.0)
+        return _apart(self.recorded, self.without)
+
+
+def _apart(one: float, other: float) -> float:
+    """Return how much more the larger of two damages is than the smaller, relative."""
+    low, high = sorted((one, other))
+    return high / low - 1 if low > 0 else (np.inf if high > 0 else 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -404,6 +428,8 @@ class Quality:
         What looks as if it had been said wrongly, a sentence each.
     assumed
         Its unit, where the recording does not say it: no number of it shows that it is right.
+    damage, without_all
+        As ruled, and without all that nobody decided on, where that is of several kinds; else nan.
     """
 
     live: float
@@ -415,6 +441,8 @@ class Quality:
     measures: Mapping[str, float] = field(default_factory=dict[str, float])
     doubts: tuple[Said, ...] = ()
     assumed: Assumed | None = None
+    damage: float = float("nan")
+    without_all: float = float("nan")
 
     @property
     def share(self) -> float:
@@ -435,6 +463,9 @@ class Quality:
                 or (e.kind == CLIP and e.share > CLIPPED)
             )
         ]
+        if not found and _apart(self.damage, self.without_all) > VETO:
+            # Of what one fault did a part is taken for one kind, a part for another.
+            found = [e.kind for e in self.effects if e.undecided and e.kind not in (HOLE, FREEZE)]
         return (*found, HOLE) if self.share < LEAST_LIVE else tuple(found)
 
     @property

@@ -28,6 +28,7 @@ from cardan.border.table import (
     Whole,
     key,
 )  # fmt: skip
+from cardan.fatigue.unit import UNITS
 from cardan.files.application import read as application
 from cardan.files.manuscript import Manuscript
 from cardan.model.application import Application
@@ -64,7 +65,7 @@ class Drive:
     segments
         Stretches that count in place of the whole.
     options
-        What is said of it alone: rate, time, group, mask, accept.
+        What is said of it alone: rate, time, group, mask, accept, and its calibrations (scale).
     """
 
     file: Path
@@ -135,6 +136,33 @@ class BesideTable(Table):
         return self.at("file").beside(self.file), self.late_s
 
 
+class ChannelTable(Table):
+    """What a channel means: its value times `factor` plus `offset` is in `unit`."""
+
+    unit: str = key("unit it is turned into: MPa, um/m, rpm, kNm")
+    factor: Annotated[float, Number(least=-1e12, most=1e12)] = key("times its value", default=1.0)
+    offset: Annotated[float, Number(least=-1e12, most=1e12)] = key("on top", default=0.0)
+
+    def build(self) -> str:
+        """Return it as `--scale` says it, without the channel."""
+        if self.unit not in UNITS:
+            known = ", ".join(UNITS)
+            self.at("unit").refuse(
+                "is no unit of stress, strain, speed or torque", f"there are {known}", got=self.unit
+            )
+        if self.factor == 0:
+            self.at("factor").refuse("must not be 0: nothing of the channel would be left")
+        return f"{self.factor!r},{self.offset!r}:{self.unit}"
+
+
+_Channels = Annotated[dict[str, str], MapOf(Text(), TableRule(ChannelTable))]
+
+
+def _scales(channels: Mapping[str, str] | None) -> tuple[str, ...]:
+    """Return calibrations as `--scale` says them."""
+    return tuple(f"{name}={of}" for name, of in (channels or {}).items())
+
+
 class DriveTable(Table):
     """A recording."""
 
@@ -154,6 +182,9 @@ class DriveTable(Table):
     )
     time: str | None = key("name of the time column", default=None)
     group: str = key("HDF5, TDMS or MDF4 group", default="")
+    channels: _Channels | None = key(
+        "calibrations of this recording, in place of those of the campaign", default=None
+    )
     mask: Annotated[tuple[str, ...], _WORDS] = key(
         "what of it is a hole: [CHANNEL=]KIND[@FROM..TO] or FROM..TO", default=()
     )
@@ -167,21 +198,9 @@ class DriveTable(Table):
             times=self.times, beside=self.beside, segments=self.segments,
             options={
                 "rate": self.rate_Hz, "time": self.time, "group": self.group,
-                "mask": self.mask, "accept": self.accept,
+                "mask": self.mask, "accept": self.accept, "scale": _scales(self.channels),
             },
         )  # fmt: skip
-
-
-class ChannelTable(Table):
-    """What a channel means: its value times `factor` plus `offset` is in `unit`."""
-
-    unit: str = key("unit it is turned into: MPa, um/m, rpm, kNm")
-    factor: Annotated[float, Number(least=-1e12, most=1e12)] = key("times its value", default=1.0)
-    offset: Annotated[float, Number(least=-1e12, most=1e12)] = key("on top", default=0.0)
-
-    def build(self) -> str:
-        """Return it as `--scale` says it, without the channel."""
-        return f"{self.factor!r},{self.offset!r}:{self.unit}"
 
 
 class StrengthTable(Table):
@@ -215,8 +234,8 @@ class CampaignTable(Table):
     campaign: Annotated[str, Text(PROSE)] = key("its title")
     recordings: tuple[Annotated[Drive, DriveTable], ...] = key("what was recorded")
     strength: Annotated[dict[str, Any], StrengthTable] = key("the S-N curve at the gauges")
-    channels: Annotated[dict[str, str], MapOf(Text(), TableRule(ChannelTable))] | None = key(
-        "calibrations, by channel", default=None
+    channels: _Channels | None = key(
+        "calibrations, by channel, of every recording that says no other", default=None
     )
     gauges: Annotated[tuple[str, ...], _WORDS] = key("CHANNEL[:UNIT] of each", default=())
     rosettes: Annotated[tuple[str, ...], _WORDS] = key("NAME=A,B,C[:UNIT] of each", default=())
@@ -310,7 +329,7 @@ class CampaignTable(Table):
                  "unit_stress_MPa_kN"}  # fmt: skip
         options: dict[str, Any] = {n: getattr(self, n) for n in self.entries() if n not in plain}
         options |= self.strength
-        options["scale"] = tuple(f"{name}={of}" for name, of in (self.channels or {}).items())
+        options["scale"] = _scales(self.channels)
         units = self.unit_stress_MPa_kN or {}
         options["unit_stress"] = tuple(
             f"{name}={','.join(map(repr, axes))}" for name, axes in units.items()

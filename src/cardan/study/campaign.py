@@ -18,7 +18,7 @@ from cardan.base.arrays import FloatArray, IntArray
 from cardan.base.errors import CardanError, DesignError
 from cardan.base.said import Said, said
 from cardan.base.source import Source
-from cardan.base.units import GPa, MPa, deg, hour, rpm
+from cardan.base.units import GPa, MPa, deg, hour
 from cardan.base.verdict import Limit
 from cardan.border.table import nearest
 from cardan.fatigue import conditioning, correction, local, rainflow, strain
@@ -39,6 +39,7 @@ from cardan.fatigue.quality import NAMED_STRAIN, NAMED_STRESS, Rule
 from cardan.fatigue.recording import Channel, Recording, holed
 from cardan.fatigue.strain import Gauge
 from cardan.fatigue.strength import SNCurve
+from cardan.fatigue.unit import DRIVEN, SPEED, STRAIN, STRESS, TORQUE, TURN, UNITS, VOLTS
 from cardan.files.limit import limits as profile
 from cardan.model.application import Application
 from cardan.quantity.quantities import QUANTITIES
@@ -51,37 +52,6 @@ ASKED = Source("asked of the recording")
 
 FASTEST = 25.0
 """Turns/s that a shaft's tacho must be able to tell: 1500 rpm."""
-
-TURN = 2 * math.pi
-STRESS = {
-    "MPa": 1e6, "N/mm2": 1e6, "N/mm²": 1e6, "kPa": 1e3, "Pa": 1.0, "ksi": 6.894757293e6,
-}  # fmt: skip
-STRAIN = {
-    "um/m": 1e-6, "µm/m": 1e-6, "μm/m": 1e-6, "ue": 1e-6, "uE": 1e-6, "µε": 1e-6, "με": 1e-6,
-    "ustrain": 1e-6, "microstrain": 1e-6, "m/m": 1.0, "mm/m": 1e-3, "%": 1e-2,
-}  # fmt: skip
-SPEED = {
-    "rpm": rpm / TURN, "1/min": rpm / TURN, "U/min": rpm / TURN, "min-1": rpm / TURN,
-    "Hz": 1.0, "1/s": 1.0, "rad/s": 1 / TURN,
-}  # fmt: skip
-VOLTS = ("V", "mV", "mV/V", "V/V", "mA", "A", "count", "counts", "")
-"""Units of what an amplifier gives, and not of what it measures."""
-DRIVEN = {"km/h": 1 / 3.6, "kph": 1 / 3.6, "mph": 0.44704, "m/s": 1.0}
-"""Speeds of the vehicle, m/s, that turn the shaft by axle ratio and tyre."""
-TORQUE = {
-    f"{force}{times}m": factor
-    for force, factor in (("N", 1.0), ("kN", 1e3)) for times in ("", "·", ".", "*", " ")
-}  # fmt: skip
-
-UNITS: Mapping[str, tuple[str, float]] = {
-    unit: (kind, factor)
-    for kind, table in (
-        ("stress", STRESS), ("strain", STRAIN), ("speed", SPEED), ("way", DRIVEN),
-        ("torque", TORQUE),
-    )
-    for unit, factor in table.items()
-}  # fmt: skip
-"""What each unit measures, and how much it is in SI."""
 
 _WRITTEN = re.compile(
     r"(?<=[\s_\[(])("
@@ -521,7 +491,13 @@ class Campaign:
             for piece in recording.read(wanted):
                 yield piece * factor + offset
 
-        return replace(recording, channels=channels, read=read)
+        notes = (
+            f"{recording.channels[k].name} is its value times {factor:g} plus {offset:g}, in {unit}"
+            for k, (factor, offset, unit) in scales.items()
+        )
+        return replace(
+            recording, channels=channels, read=read, notes=(*recording.notes, *notes)
+        )  # fmt: skip
 
     def _held(self, option: str, given: Iterable[str], known: Iterable[str], kind: str) -> None:
         """Refuse what is said of a gauge or channel that there is not."""

@@ -38,7 +38,7 @@ from cardan.fatigue.locked import FOUND
 from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import VETO, decided
-from cardan.fatigue.rainflow import Cycles, join
+from cardan.fatigue.rainflow import Cycles, ResidueRule, discarded, join, repeating
 from cardan.fatigue.recording import Recording, alongside, between
 from cardan.fatigue.usage import customer, usage
 from cardan.files.campaign import Campaigned, Drive, Segment
@@ -66,11 +66,16 @@ DECIDE: Mapping[str, str] = {
     "clip": "a recording that is not clipped, or --accept clip",
     "zero-step": "a word on the steps of its zero, which decide the damage: --mask or --accept "
     "zero-step",
+    "gain": "a word on its gain, whose changes decide the damage: --mask or --accept gain",
+    "noise": "a word on its noise, which decides the damage: --mask or --accept noise",
+    "repeat": "a word on what was stored twice, which decides the damage: --mask or --accept "
+    "repeat",
     "drift": "a word on its drift, which decides the damage: --zero drift or --accept drift",
     "hole": "a recording in which it is alive for a quarter of the time",
     "hum": "a word on its hum, which decides the damage: --mask or --accept hum",
     "unit": "the unit its numbers are in, or --accept unit",
     "rate": "a recording sampled as its stress moves, or --accept rate",
+    "bit": "a recording whose converter moves all its bits, or --accept bit",
     "strength": "the tensile strength of its part, or --accept strength",
 }
 """What a gauge needs whose answer is vetoed, by the kind of fault that leaves none."""
@@ -576,10 +581,10 @@ def _mixed(one: Mixed, drives: Sequence[_Driven], plan: Plan) -> Mixed:
     if not one.heard:
         return one
 
-    def gained(parts: Sequence[tuple[GaugeLife, float]]) -> float:
+    def gained(parts: Sequence[tuple[GaugeLife, float]], rule: ResidueRule = repeating) -> float:
         return more_in_turn(
             [life.residue for life, _ in parts], times=[times for _, times in parts],
-            curve=plan.curve, correction=plan.correction,
+            curve=plan.curve, correction=plan.correction, rule=rule,
         )  # fmt: skip
 
     hidden, place = list[str](), 0
@@ -587,7 +592,9 @@ def _mixed(one: Mixed, drives: Sequence[_Driven], plan: Plan) -> Mixed:
         own = one.parts[place : (place := place + len(drive.segments))]
         if gained(own) > VETO * sum(times * life.life.damage for life, times in own):
             hidden += drive.hides(tuple(own[0][0].health))
-    return replace(one, between=gained(one.parts), hidden=tuple(dict.fromkeys(hidden)))
+    # What is left out of the count by choice is not put back here.
+    rule = repeating if plan.rule is discarded else plan.rule
+    return replace(one, between=gained(one.parts, rule), hidden=tuple(dict.fromkeys(hidden)))
 
 
 def _customers(of: Mix) -> tuple[list[Customer], list[Mixed]]:
@@ -606,7 +613,7 @@ def _customers(of: Mix) -> tuple[list[Customer], list[Mixed]]:
 def driven(asked: Campaign, drive: Drive) -> tuple[Campaign, Recording]:
     """Return what is asked of one recording of a campaign, and that recording."""
     own = {
-        k: (*getattr(asked, k), *v) if k in ("mask", "accept") else v
+        k: (*getattr(asked, k), *v) if k in ("mask", "accept", "scale") else v
         for k, v in drive.options.items()
     }
     campaign = replace(asked, limits=None, target_hours=None, **own)

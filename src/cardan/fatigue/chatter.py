@@ -1,0 +1,80 @@
+"""White noise for some tenths of a second: a contact that chatters, a wire that is torn off.
+
+Whatever hits a structure, it answers at its own frequencies, or is over at once. A contact that
+comes and goes writes all frequencies alike for as long as it does. So blocks of some samples are
+met that are as flat in frequency as noise is, as even in time, and far louder than blocks usually
+are up there; an anti-alias filter takes the uppermost frequencies of both.
+"""
+
+import numpy as np
+
+from cardan.base.arrays import FloatArray, IntArray
+
+SIZE = 32
+"""Samples of a block."""
+LINES = slice(3, 11)
+"""Of its spectrum, that are looked at: from 0.09 to 0.31 of the sample rate."""
+FLAT = 0.35
+"""Geometric over arithmetic mean of their powers, from which they are flat; of white noise 0.5 to
+0.6 in the mean, of a mode's ring 0.05."""
+EVEN = 4.5
+"""Fourth moment over the square of the second up to which a block is even; of noise 3, of a single
+blow 10 and more."""
+LOUD, REACHES = 36.0, 0.05
+"""Times their median power up there, and share of the whole range in rms, that blocks have."""
+OCTAVE = 4
+"""Bins of the histogram of powers, an octave."""
+ROUND = np.arange(-4096, 4096)
+
+
+class Chatter:
+    """Meets a channel block by block: `add` each piece, then ask `found`."""
+
+    def __init__(self) -> None:
+        self.usual = np.zeros(ROUND.size, np.intp)
+        self.starts: list[IntArray] = []
+        self.powers: list[FloatArray] = []
+        self.low, self.high = np.inf, -np.inf
+
+    def add(self, ahead: FloatArray, *, start: int, size: int) -> None:
+        """Take samples from `start` on, without holes: `size` of them, and some that follow."""
+        piece = ahead[:size]
+        self.low, self.high = min(self.low, piece.min()), max(self.high, piece.max())
+        first = -start % SIZE  # blocks lie where they lie, however the pieces are cut
+        count = max((size - first + SIZE - 1) // SIZE, 0)
+        count = min(count, (ahead.size - first) // SIZE)
+        if count <= 0:
+            return
+        rows = ahead[first : first + count * SIZE].reshape(-1, SIZE)
+        step = np.diff(rows, axis=-1)
+        power = np.square(step).mean(-1)
+        moved = power > 0
+        octave = np.round(OCTAVE * np.log2(power[moved])).astype(np.intp)
+        self.usual += np.bincount(np.clip(octave - ROUND[0], 0, ROUND.size - 1), None, ROUND.size)
+        # Half the power of white noise is what it differs by from sample to sample.
+        loud = np.flatnonzero(power > 2 * (REACHES * (self.high - self.low)) ** 2)
+        rows, step = rows[loud], step[loud]
+        lines = np.abs(np.fft.rfft(rows * np.hanning(SIZE), axis=-1))[:, LINES] ** 2
+        flat = np.exp(np.log(np.maximum(lines, 1e-300)).mean(-1)) > FLAT * lines.mean(-1)
+        even = (step**4).mean(-1) < EVEN * power[loud] ** 2
+        kept = loud[flat & even]
+        self.starts.append(start + first + kept * SIZE)
+        self.powers.append(power[kept])
+
+    def found(self) -> IntArray:
+        """Return the runs (k, 2) of samples that are white, with what they began and ended in."""
+        starts = np.concatenate([np.empty(0, np.intp), *self.starts])
+        powers = np.concatenate([np.empty(0), *self.powers])
+        met = np.cumsum(self.usual)
+        if not starts.size or not met[-1]:
+            return np.empty((0, 2), np.intp)
+        typical = 2.0 ** (ROUND[np.searchsorted(met, met[-1] / 2)] / OCTAVE)
+        least = max(LOUD * typical, 2 * (REACHES * (self.high - self.low)) ** 2)
+        starts = starts[powers > least]
+        if not starts.size:
+            return np.empty((0, 2), np.intp)
+        fresh = np.diff(starts, prepend=-4 * SIZE) > 3 * SIZE
+        last = starts[np.append(np.flatnonzero(fresh)[1:] - 1, starts.size - 1)] + SIZE
+        runs = np.stack([np.maximum(starts[fresh] - SIZE, 0), last + SIZE], -1)
+        # Once is chance: a contact chatters for two blocks at least.
+        return runs[runs[:, 1] - runs[:, 0] >= 4 * SIZE]

@@ -1,0 +1,66 @@
+"""What was written twice: the same numbers to the last digit, a second and more of them.
+
+No road and no test bench does a thing twice to the last digit; a buffer that was stored twice
+does. Some samples are chosen by their own digits, so that the same ones are chosen of a copy; what
+follows them is told by a fingerprint, and where those of many agree at one distance, it is a copy.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from cardan.base.arrays import FloatArray, IntArray
+
+EACH = 64
+"""Samples of which one is chosen."""
+LENGTH = 16
+"""Samples of a fingerprint."""
+SECONDS, FEWEST, MOST = 0.5, 4, 0.5
+"""Shortest distance of a copy, and fewest chosen samples in it; and of all, the share from which
+whoever made the recording repeats, as a test bench in coarse steps."""
+_MIX = np.uint64(0x9E3779B97F4A7C15)
+
+
+class Twice:
+    """Remembers a channel by its digits: `add` each piece, then ask `found`."""
+
+    def __init__(self, rate: float) -> None:
+        self.rate = rate
+        self.at: list[IntArray] = []
+        self.prints: list[npt.NDArray[np.uint64]] = []
+
+    def add(self, ahead: FloatArray, *, start: int, size: int) -> None:
+        """Take samples from `start` on: `size` of them, and some that follow."""
+        bits = (ahead.astype(float) + 0.0).view(np.uint64)  # no minus nought
+        size = min(size, ahead.size - LENGTH)
+        if size <= 0:
+            return
+        mixed = (bits[:size] ^ (bits[1 : size + 1] << np.uint64(7))) * _MIX
+        chosen = np.flatnonzero(mixed < np.uint64(2**64 // EACH))
+        near = bits[chosen[:, None] + np.arange(LENGTH)]
+        chosen = chosen[(near[:, 1:] != near[:, :-1]).sum(-1) >= LENGTH // 2]
+        told = np.zeros(chosen.size, np.uint64)
+        for k in range(LENGTH):
+            told = (told ^ bits[chosen + k]) * _MIX
+            told ^= told >> np.uint64(29)
+        self.at.append(chosen + start)
+        self.prints.append(told)
+
+    def found(self) -> IntArray:
+        """Return the runs (k, 2) of samples that were there before."""
+        none = np.empty((0, 2), np.intp)
+        at = np.concatenate([np.empty(0, np.intp), *self.at])
+        told = np.concatenate([np.empty(0, np.uint64), *self.prints])
+        order = np.argsort(told, kind="stable")
+        same = told[order][1:] == told[order][:-1]
+        first, again = at[order][:-1][same], at[order][1:][same]
+        if not FEWEST <= again.size <= MOST * at.size:
+            return none
+        lag = again - first
+        order = np.lexsort((again, lag))
+        lag, again = lag[order], again[order]
+        # Of one copy: at one distance, and close to each other.
+        fresh = (np.diff(lag, prepend=-1) != 0) | (np.diff(again, prepend=-1) > 16 * EACH)
+        begin = np.flatnonzero(fresh)
+        last = np.append(begin[1:] - 1, again.size - 1)
+        long = (last - begin + 1 >= FEWEST) & (lag[begin] >= SECONDS * self.rate)
+        return np.stack([again[begin[long]], again[last[long]] + LENGTH], -1)
