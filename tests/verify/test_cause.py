@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from adversarial import bracket, colour, made
+from adversarial import bracket, colour, made, oscillator
 from click.testing import CliRunner
 
 from cardan.base.errors import DesignError
@@ -221,6 +221,27 @@ def test_what_is_taken_off_is_what_is_said_to_go(seed):
     gone = 1 - damage(stress - answer.stress) / damage(stress)
     assert (answer.evidence.finding == GUILTY) == (truth > 0.5)
     assert max(gone, 0.0) == pytest.approx(answer.evidence.removed, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_road_that_is_not_heard_standing_does_not_follow_the_shaft(seed):
+    """Of 60 gauges one was convicted of a crawl's road: when it stood, its engine idled.
+
+    Derived: a hop of 12 Hz while it rolls, whatever the speed; at rest 21.7 Hz of an idle.
+    """
+    rng, rate, n = np.random.default_rng(seed), 400.0, 48_000
+    t = np.arange(n) / rate
+    speed = 6 * np.clip(3 * np.sin(2 * np.pi * t / 20), 0, 1) * (1 + 0.05 * np.sin(t))
+    rolls = speed > 0
+    hop = oscillator(rng.normal(size=n), hertz=12.0, damping=0.1, rate=rate)
+    idle = np.cos(2 * np.pi * 21.7 * t + 0.1 * np.cumsum(rng.normal(size=n)))
+    stress = 20 * hop / hop.std() * rolls + 3 * idle * ~rolls + 0.1 * rng.normal(size=n)
+    found = identified(
+        1e6 * stress, rate=rate, angle=shaft_angle(speed, rate=rate), torque=1500.0 * rolls,
+        damage=damage, engine_orders=(3.0, 6.0),
+    ).evidence  # fmt: skip
+    assert found.finding != GUILTY
+    assert found.interval[0] <= 0
 
 
 def test_an_angle_not_to_trust_acquits_nobody():

@@ -184,6 +184,9 @@ def coming(x: FloatArray, scene: Scene, rate: float, *, where: BoolArray | None 
     then how loud the road is, by how the bracket answers there. Both are taken from where the
     order is `FAR` off, and periods in which nobody heard how loud the road was are left
     out; nan where that tells nothing, at steady speed.
+
+    To accuse, `where` (n,) it counts, only what rolls is compared with what rolls: a vehicle that
+    stands hears an engine idle and no road, and beside that every road came with the shaft.
     """
     n = max(2 * round(0.25 * rate), 8)
     if x.size < 8 * n:
@@ -196,6 +199,8 @@ def coming(x: FloatArray, scene: Scene, rate: float, *, where: BoolArray | None 
     power = np.abs(np.fft.rfft(level)[:, use]) ** 2
     off = np.abs(frequency[use] - order[:, None])
     far = off > FAR
+    if where is not None:
+        far &= order[:, None] > SLOWEST
     heard = far.sum(0) > 8
     far &= heard
     if not far.any() or not power[far].any():
