@@ -188,28 +188,35 @@ def test_spells_tell_within_one_stretch_of_the_angle_and_beyond_the_chance_of_ma
 
 
 def test_a_speed_is_that_of_all_gauges():
-    """S2 was acquitted (true 0.99) beside S1 that said that the shaft turns twice as fast."""
+    """S2 was acquitted (true 0.99) beside S1 that said that the shaft turns twice as fast.
+
+    S3 feels once a turn what goes with the torque: by half the speed that is order 2.
+    """
     case = made(8, **PLAIN | {"guilt": 1.5, "road": 2.0, "engine": 0.0})
     rng = np.random.default_rng(3)
     road = 8 * colour(rng, case.stress.size, case.rate, low=0.8, high=150, slope=0.7)
+    once = 25 * case.torque / 1e4 * np.cos(2 * np.pi * case.turns) + 0.1 * road
 
-    def told(speed):
-        data = np.stack([case.stress, road, speed, case.torque])
+    def told(speed, *gauges):
+        data = np.stack([case.stress, road, once, speed, case.torque])
         recording = in_memory(
-            data, rate=case.rate, names=["S1", "S2", "v", "T"], units=["MPa", "MPa", "rpm", "Nm"]
-        )
-        campaign = Campaign(sn="30,2e6,5", gauges=("S1", "S2"), speed="v", torque="T")
+            data, rate=case.rate, names=["S1", "S2", "S3", "v", "T"],
+            units=["MPa", "MPa", "MPa", "rpm", "Nm"],
+        )  # fmt: skip
+        campaign = Campaign(sn="30,2e6,5", gauges=gauges, speed="v", torque="T")
         heard = RecordingStudy(campaign).run(recording).answer.causes
-        return heard.evidence[1], " ".join(map(str, heard.doubts))
+        return heard.evidence[-1], " ".join(map(str, heard.doubts))
 
-    found, doubts = told(60 * case.speed)
+    found, doubts = told(60 * case.speed, "S1", "S2")
     assert found.finding == INNOCENT
     assert f"S2: {DOUBLED}" not in doubts
-    found, doubts = told(30 * case.speed)
+    found, doubts = told(30 * case.speed, "S1", "S2")
     assert found.finding == CANNOT_TELL
     assert found.interval[1] == 1
     assert DOUBLED in found.doubts
     assert f"S2: {DOUBLED}" in doubts
+    assert told(30 * case.speed, "S3")[0].finding == GUILTY
+    assert told(30 * case.speed, "S1", "S3")[0].finding == CANNOT_TELL
 
 
 @pytest.mark.parametrize("seed", [913_082, 913_175, 913_004])

@@ -38,6 +38,7 @@ from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.damage import Life, damage_exponent, miner, nearly, repeats_at
 from cardan.fatigue.evidence import (
     DOUBLED,
+    GUILTY,
     HALVED,
     INNOCENT,
     SCALED,
@@ -689,6 +690,8 @@ NO_TORQUE = "no torque was given, so phase alone tells the joints from others"
 DOUBTS = (TOGETHER, OF_GAUGE, NO_ENGINE, DIRECT, NO_TORQUE)
 """What may leave a cause open."""
 
+JUDGED = GUILTY, INNOCENT
+
 IDENTIFIED = 300.0
 """Seconds of recording in which the joints' part is identified at once."""
 
@@ -751,11 +754,15 @@ def causes(
 
 
 def _of_one_speed(evidence: list[Evidence]) -> list[Evidence]:
-    """Acquit at no gauge of a recording at one of which its speed seems to be another's."""
-    doubts = (d for one in evidence for d in one.doubts if d in (DOUBLED, HALVED, SCALED))
-    if (doubt := next(doubts, None)) is None:
-        return evidence
-    return [one.unknown(doubt) if one.finding == INNOCENT else one for one in evidence]
+    """Judge at no gauge of a recording at one of which its speed seems to be another's.
+
+    What is locked at another scale may be something else that turns: that only acquits nobody.
+    """
+    doubts = {d for one in evidence for d in one.doubts}
+    for doubt, withheld in ((DOUBLED, JUDGED), (HALVED, JUDGED), (SCALED, (INNOCENT,))):
+        if doubt in doubts:
+            return [one.unknown(doubt) if one.finding in withheld else one for one in evidence]
+    return evidence
 
 
 def _of_one(
