@@ -123,6 +123,8 @@ class Heard:
 
     Attributes
     ----------
+    campaign
+        What it was asked.
     lives
         One a gauge of the plan; nan at those that have no samples.
     causes
@@ -147,6 +149,7 @@ class Heard:
     """
 
     recording: Recording
+    campaign: Campaign
     plan: Plan
     lives: tuple[GaugeLife, ...]
     causes: Causes | None
@@ -245,6 +248,7 @@ class RecordingStudy:
             study=NAME,
             answer=Heard(
                 recording=recording,
+                campaign=campaign,
                 plan=plan,
                 lives=tuple(lives),
                 causes=causes,
