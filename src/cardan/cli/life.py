@@ -132,7 +132,12 @@ def _drawable(_: click.Context, __: click.Parameter, out: Path | None) -> Path |
     metavar="GAUGE",
     help="No speed: find it in this channel. It gives no angle to trust.",
 )
-@click.option("--joint-orders", default="2,4", show_default=True)
+@click.option(
+    "--joint-orders",
+    default="2,4",
+    show_default=True,
+    help="Of 2, 4 and 6: where these run with others' is said. What the joints do is sought at all.",
+)
 @click.option("--engine", metavar="CHANNEL[:UNIT]", help="Engine speed.")
 @click.option(
     "--engine-orders",
