@@ -1037,12 +1037,16 @@ def _otherwise(
     gauges, own = zip(*told, strict=True)
     strains: Sequence[tuple[float | None, float]] = [(None, math.nan)] * len(own)
     if by_strain is not None:
-        stress = room.stresses(
-            recording, plan=replace(plan, gauges=gauges), healths=healths, name="strain",
-            progress=progress,
-        )  # fmt: skip
         sharp = any(not math.isnan(one.quality.samples_only) for one in own)
-        strains = strained(finer(stress) if sharp else stress, own, by_strain)
+
+        def pieces() -> Iterator[FloatArray]:
+            stress = room.stresses(
+                recording, plan=replace(plan, gauges=gauges), healths=healths, name="strain",
+                progress=progress,
+            )  # fmt: skip
+            return finer(stress) if sharp else stress
+
+        strains = strained(pieces, own, by_strain, rule=plan.rule)
     return tuple(
         Otherwise(
             gauge=one.name, duration=one.life.duration, allowed=plan.allowed,
