@@ -100,8 +100,10 @@ def test_a_page_and_a_document_tell_it_in_every_language(found, code, tmp_path):
 
 ASKED = [
     {"sn": "30,2e6,6"}, {"sn": "31,2e6,5"}, {"sn": "30,1e6,5"}, {"miner": "original"},
-    {"miner": "elementary"}, {"mean_stress": "swt"}, {"mean_stress": "goodman", "ultimate_MPa": 500},
-    {"mean_stress": "goodman", "ultimate_MPa": 600}, {"mean_stress": "fkm", "mean_sensitivity": 0.2},
+    {"miner": "elementary"}, {"mean_stress": "swt"},
+    {"mean_stress": "goodman", "ultimate_MPa": 500},
+    {"mean_stress": "goodman", "ultimate_MPa": 600},
+    {"mean_stress": "fkm", "mean_sensitivity": 0.2},
     {"residue": "repeat"}, {"residue": "discard"}, {"allowed": 0.5}, {"zero": "median"},
     {"zero": "drift"}, {"low_pass_Hz": 50.0}, {"low_pass_Hz": 60.0}, {"scale": ("S1=2:MPa",)},
     {"scale": ("S1=2,5:MPa",)}, {"between_samples": "yes"}, {"mask": ("spike",)},
@@ -109,7 +111,8 @@ ASKED = [
     {"gauges": ("S1:um/m",)}, {"gauges": ("S1:um/m",), "modulus_GPa": 70.0}, {"gauge_error": 0.1},
     {"strain_life": "900,-0.09,0.6,-0.6"}, {"strain_life": "900,-0.09,0.6,-0.6", "notch": 2.0},
     {"strain_life": "900,-0.09,0.6,-0.6", "strain_mean": "morrow"}, {"crack": "1,20,1e-11,3"},
-    {"crack": "1,20,1e-11,3", "crack_threshold": 2.0}, {"crack": "1,20,1e-11,3", "crack_shape": 1.0},
+    {"crack": "1,20,1e-11,3", "crack_threshold": 2.0},
+    {"crack": "1,20,1e-11,3", "crack_shape": 1.0},
     {"accept": ("3..4",)},
 ]  # fmt: skip
 """Whatever makes other numbers of one recording."""
@@ -147,7 +150,7 @@ def test_reports_that_were_counted_otherwise_can_be_told_apart():
 
 
 def test_what_is_little_is_not_nought():
-    """"Damage 0 of the recording" stood beside "a crack is there after 9.6e8 h"."""
+    """Damage 0 of the recording had stood beside a crack that is there after 9.6e8 h."""
     of = Otherwise(gauge="S1", duration=120.0, allowed=1.0, strain_damage=3.466e-11, strain=1e-3)
     assert "damage 3.466e-11 of the recording" in next(otherwise.lines(of))
 

@@ -136,7 +136,7 @@ def _drawable(_: click.Context, __: click.Parameter, out: Path | None) -> Path |
     "--joint-orders",
     default="2,4",
     show_default=True,
-    help="Of 2, 4 and 6: where these run with others' is said. What the joints do is sought at all.",
+    help="Of 2, 4 and 6: where they run with others' is said. Theirs is sought at all of them.",
 )
 @click.option("--engine", metavar="CHANNEL[:UNIT]", help="Engine speed.")
 @click.option(

@@ -577,7 +577,7 @@ class Campaign:
         return replace(recording, channels=channels, read=read)
 
     def strains(self, recording: Recording) -> bool:
-        """Return whether a gauge of a recording is of strain, which Young's modulus makes a stress."""
+        """Return whether a gauge is of strain, which Young's modulus makes a stress."""
         units = (given or recording.channel(c).unit for c, given in map(_named, self.gauges))
         return bool(self.rosettes) or any(unit in STRAIN for unit in units)
 
