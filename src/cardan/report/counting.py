@@ -19,8 +19,9 @@ MEANS = {
     "swt": "by Smith, Watson and Topper",
     "walker": "by Walker",
     "fkm": "by the FKM guideline",
+    "morrow": "by Morrow",
 }
-"""What corrects the mean stress, by its name in a campaign."""
+"""What corrects the mean stress, of a cycle or a loop, by its name in a campaign."""
 
 ZEROS = {
     "none": "nothing, as recorded",
@@ -102,7 +103,7 @@ def _numbers(of: Heard, say: Language) -> Iterator[tuple[str, str]]:
         (say("error of the gauge"), asked.gauge_error or None, ""),
         (say("strain-life curve"), asked.strain_life, ""),
         (say("K_t of the notch"), asked.notch, ""),
-        (say("mean stress of a loop"), asked.strain_mean if judged else None, ""),
+        (say("mean stress of a loop"), say(MEANS[asked.strain_mean]) if judged else None, ""),
         (say("crack from, to in mm, C, m"), asked.crack, ""),
         (say("its threshold"), (asked.crack and asked.crack_threshold) or None, " MPa√m"),
         (say("its Y"), asked.crack and asked.crack_shape, ""),
