@@ -204,7 +204,7 @@ def test_the_command_tells_life_and_cause(parquet):
     assert "synthetic: made by a generator, not measured" in done.output
     assert "S1: the joints' orders answer for" in done.output
     assert "Shares are Shapley values" in done.output
-    assert "Residue: half cycles" in done.output
+    assert "residue: half cycles" in done.output
 
 
 def test_the_json_contract(parquet, drive, tmp_path):

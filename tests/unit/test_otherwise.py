@@ -143,7 +143,7 @@ def test_a_knee_bends_the_surface_of_failure_no_more_than_its_cycles(tmp_path, s
         (("--strain-life", "900,0.09,0.6,-0.6"), "exponent of a strain-life curve"),
         (("--strain-life", "900,-0.09,inf,-0.6"), "a strain-life curve is SIGMA_F_MPa"),
         ((*STRAIN, "--notch", "0.5"), "notch of a campaign must be at least 1"),
-        (("--notch", "2"), "it needs --strain-life"),
+        (("--notch", "2"), "--notch does nothing by itself: it needs --strain-life"),
         (("--crack", "5,2,1e-12,3"), "a crack is FROM_mm,TO_mm"),
         (("--crack", "1,2,1,3"), "C of a crack's growth lies within (0, 1e-3)"),
         (("--crack", "1,2,1e-12,30"), "m within 1 to 10"),

@@ -11,7 +11,7 @@ from cardan.base.units import MPa
 from cardan.cli.life import life as command
 from cardan.fatigue.damage import miner
 from cardan.fatigue.life import Plan, life
-from cardan.fatigue.quality import Rule
+from cardan.fatigue.quality import Rule, decided
 from cardan.fatigue.rainflow import rainflow
 from cardan.fatigue.recording import in_memory
 from cardan.fatigue.strain import direct
@@ -306,6 +306,22 @@ def test_a_clock_says_its_unit_in_its_name(tmp_path, name):
         (("--mask", "9..3"), "a time is FROM..TO"),
         (("--mask", "spike@x..y"), "a time is FROM..TO"),
         (("--accept", ""), "a rule is"),
+        (("--mask", "S1=spike", "--accept", "S1=spike"), "say two things of the same"),
+        (("--mask", "spike@2..6", "--accept", "spike@5..9"), "--mask spike@2..6 and --accept"),
+        (("--joint-orders", "3,4"), "joint_orders of a campaign are of 2, 4 and 6, got 3"),
+        (("--crack-threshold", "2"), "--crack-threshold does nothing by itself: it needs --crack"),
+        (("--crack-shape", "1"), "it needs --crack"),
+        (("--strain-mean", "morrow"), "it needs --strain-life"),
+        (("--miner-scatter", "0.2"), "it needs --service-hours"),
+        (("--mean-sensitivity", "0.2"), "it needs --mean-stress fkm or walker"),
+        (("--mean-sensitivity", "0.2", "--mean-stress", "swt"), "it needs --mean-stress fkm"),
+        (("--state", "empty"), "it needs --application"),
+        (("--bearing", "2"), "it needs --application"),
+        (("--rosette-measure", "planes"), "it needs --rosette"),
+        (("--rosette-kind", "delta"), "it needs --rosette"),
+        (("--pulses", "60"), "--pulses does nothing by itself: it needs --tacho"),
+        (("--speed", "S1:rpm", "--tacho", "S1"), "turned by --speed or by --tacho: say one"),
+        (("--tacho", "S1", "--estimate-speed", "S1"), "turned by --tacho or by --estimate-speed"),
     ],
 )
 def test_options_have_ranges(tmp_path, more, said):
@@ -322,6 +338,21 @@ def test_an_sn_curve_has_a_range(tmp_path, sn):
     path = written(tmp_path, {"S1": clean()[:3000]})
     done = run(path, "--gauge", "S1:MPa", "--sn", sn)
     assert done.exit_code == 2, done.output
+
+
+@pytest.mark.parametrize(
+    ("masks", "accepts", "places"),
+    [("S1=spike", "spike", [0, 44]), ("spike", "S1=spike", []),
+     ("S1=spike", "spike@0..3", [44]), ("spike@0..3", "S1=spike", [0]),
+     ("S1=spike@0..3", "spike@0..60", [0])],
+)  # fmt: skip
+def test_what_names_a_channel_counts_before_what_does_not(masks, accepts, places):
+    """An accept of all had beaten a mask of one: 36 h of life were told as 2.8."""
+    campaign = Campaign(sn="30,2e6,5", mask=(masks,), accept=(accepts,))
+    health = of(spoiled("spike")).health["S1"]
+    told = decided(health, channel="S1", rules=campaign.rules, rate=RATE)["spike"]
+    assert (told.masked[:, 0] / RATE).tolist() == places
+    assert not len(told.open)
 
 
 def test_what_is_accepted_was_not_masked():

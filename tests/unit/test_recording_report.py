@@ -4,6 +4,7 @@ import json
 import shutil
 import subprocess
 from dataclasses import replace
+from hashlib import sha256
 
 import numpy as np
 import pytest
@@ -19,8 +20,10 @@ from cardan.fatigue.cuts import windows
 from cardan.fatigue.fault import KINDS
 from cardan.fatigue.maps import order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
+from cardan.fatigue.recording import in_memory
 from cardan.fatigue.synthetic import Gains, synthetic
-from cardan.report import recording_story
+from cardan.report import counting, otherwise, recording_story
+from cardan.report import life as recorded
 from cardan.report.blocks import Chapter, Figures, Issue, Picture, Story, Table, Text
 from cardan.report.html import page
 from cardan.report.identified import NAMES, parameter
@@ -29,6 +32,7 @@ from cardan.report.pdf import document
 from cardan.report.recording_chapter import haigh
 from cardan.study.campaign import Campaign
 from cardan.study.identification import Parameter
+from cardan.study.otherwise import Otherwise
 from cardan.study.recording import RecordingStudy
 
 
@@ -92,6 +96,63 @@ def test_a_page_and_a_document_tell_it_in_every_language(found, code, tmp_path):
     read = subprocess.run(["pdftotext", str(path), "-"], capture_output=True, text=True, check=True)
     assert hours in read.stdout
     assert say(found.answer.causes.evidence[0].finding).upper() in read.stdout
+
+
+ASKED = [
+    {"sn": "30,2e6,6"}, {"sn": "31,2e6,5"}, {"sn": "30,1e6,5"}, {"miner": "original"},
+    {"miner": "elementary"}, {"mean_stress": "swt"},
+    {"mean_stress": "goodman", "ultimate_MPa": 500},
+    {"mean_stress": "goodman", "ultimate_MPa": 600},
+    {"mean_stress": "fkm", "mean_sensitivity": 0.2},
+    {"residue": "repeat"}, {"residue": "discard"}, {"allowed": 0.5}, {"zero": "median"},
+    {"zero": "drift"}, {"low_pass_Hz": 50.0}, {"low_pass_Hz": 60.0}, {"scale": ("S1=2:MPa",)},
+    {"scale": ("S1=2,5:MPa",)}, {"between_samples": "yes"}, {"mask": ("spike",)},
+    {"accept": ("spike",)}, {"mask": ("S1=spike",)}, {"mask": ("spike@3..4",)}, {"scatter": 0.1},
+    {"gauges": ("S1:um/m",)}, {"gauges": ("S1:um/m",), "modulus_GPa": 70.0}, {"gauge_error": 0.1},
+    {"strain_life": "900,-0.09,0.6,-0.6"}, {"strain_life": "900,-0.09,0.6,-0.6", "notch": 2.0},
+    {"strain_life": "900,-0.09,0.6,-0.6", "strain_mean": "morrow"}, {"crack": "1,20,1e-11,3"},
+    {"crack": "1,20,1e-11,3", "crack_threshold": 2.0},
+    {"crack": "1,20,1e-11,3", "crack_shape": 1.0},
+    {"accept": ("3..4",)},
+]  # fmt: skip
+"""Whatever makes other numbers of one recording."""
+
+
+def test_reports_that_were_counted_otherwise_can_be_told_apart():
+    """Two documents of one recording, 37 times apart in life, had the same words."""
+    x = 60 * np.sin(2 * np.pi * 5 * np.arange(4000) / 400) + 10
+    recording = in_memory(x[None], rate=400.0, names=["S1"])
+
+    def told(code="en", **asked):
+        campaign = Campaign(**{"sn": "30,2e6,5", "gauges": ("S1:MPa",)} | asked)
+        found = RecordingStudy(campaign).run(recording)
+        say = Language(code)
+        story = recording_story.recording(found, say=say, issue=Issue())
+        tables = [b for c in story.chapters for b in c.blocks if isinstance(b, Table)]
+        (counted,) = (t for t in tables if t.caption == say.typeset("Counted by"))
+        terminal = next(t for t in recorded.terminal(found, say) if t.startswith(say("Counted by")))
+        options = recorded.document(found)["rules"]["options"]
+        # One truth on every medium.
+        for name, value in counting.rows(found.answer, say):
+            assert f"{name}: {value}" in terminal
+        assert counted.rows == tuple(counting.rows(found.answer, say.typeset))
+        return counted.rows, json.dumps(options)
+
+    every = [told(), *(told(**asked) for asked in ASKED)]
+    for media in zip(*every, strict=True):
+        assert len(set(media)) == len(every)
+    asked = {k: v for one in ASKED[::-1] for k, v in one.items() if k not in ("gauges", "accept")}
+    asked |= {"mean_stress": "fkm"}
+    english = {w for row in told(**asked)[0] for w in row if " " in w and not w[0].isdigit()}
+    for code in CODES[1:]:
+        same = {word for row in told(code, **asked)[0] for word in row if word in english}
+        assert same == set()
+
+
+def test_what_is_little_is_not_nought():
+    """Damage 0 of the recording had stood beside a crack that is there after 9.6e8 h."""
+    of = Otherwise(gauge="S1", duration=120.0, allowed=1.0, strain_damage=3.466e-11, strain=1e-3)
+    assert "damage 3.466e-11 of the recording" in next(otherwise.lines(of))
 
 
 def test_every_sentence_from_below_is_translated():
@@ -178,6 +239,9 @@ def test_the_command_writes_reports(tmp_path):
     )
     assert done.exit_code == 0, done.output
     assert "Two laps" in both.read_text()
+    # A recording that is exchanged under a campaign is another report's.
+    for file in (plan, path):
+        assert sha256(file.read_bytes()).hexdigest()[:16] in both.read_text()
     assert json.loads((tmp_path / "a.json").read_text())["campaign"] == "Two laps"
 
 

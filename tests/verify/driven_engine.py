@@ -13,6 +13,14 @@ from rubber_engine import FLYWHEEL, Rigid, Swinging
 
 LUMP = 0.05
 """m, from the axis to the lump that unbalances."""
+SHEAR = 206e9 / 2.6
+"""Pa, of steel in torsion."""
+
+
+def twisting(tube: Any, length: float) -> float:
+    """Return the torsion spring N m/rad that a tube is from joint to joint."""
+    inside = tube.outer - 2 * tube.wall
+    return SHEAR * np.pi / 32 * (tube.outer**4 - inside**4) / length
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from adversarial import colour, smooth
-from driven_engine import Driving, Mount
+from driven_engine import Driving, Mount, twisting
 from test_rubber_engine import rigid
 
 from cardan import files
@@ -27,8 +27,6 @@ from cardan.study.identification import Identification, Parameter, identify
 FILE = Path(__file__).parents[2] / "examples" / "refuse-collector" / "application.yaml"
 rpm = np.pi / 30
 STEP = 1e-3
-SHEAR = 206e9 / 2.6
-"""Pa, of steel in torsion."""
 RUBBER = 200e3, 120e3
 """N/m up and sideways, of the rubber alone as drawn."""
 MODES = 10.5, 7.0
@@ -113,7 +111,6 @@ def drive(of: Truck) -> dict[str, np.ndarray]:
     directions = response.layout.directions[at].copy()
     directions[1:-1] = ways / lengths[:, None]
     shafts = response.line.shafts
-    pipes = np.array([(s.tube.outer, s.tube.outer - 2 * s.tube.wall) for s in shafts])
     driven = Driving(
         points, directions, np.array([s.phase for s in shafts]) + of.phases,
         [rigid(replace(s, length=length)) for s, length in zip(shafts, lengths, strict=True)],
@@ -126,7 +123,7 @@ def drive(of: Truck) -> dict[str, np.ndarray]:
             in zip(of.rubber, of.loss, of.mass, of.bracket, (None, road), strict=True)
         ],
         torque=torque, speed=speed, step=STEP, heavy={2: of.heavy},
-        torsion=SHEAR * np.pi / 32 * (pipes[:, 0] ** 4 - pipes[:, 1] ** 4) / lengths,
+        torsion=[twisting(s.tube, length) for s, length in zip(shafts, lengths, strict=True)],
     ).drive()  # fmt: skip
     felt = np.array(of.gain)[:, None] * UNITS[:, 1:]
     felt = felt * np.stack([np.ones(3), of.askew], axis=-1)
@@ -142,9 +139,8 @@ def drive(of: Truck) -> dict[str, np.ndarray]:
 
 def found(drive: dict[str, np.ndarray]) -> Identification:
     """Return what the recording of its drive says, held against the file as drawn."""
-    text = FILE.read_text().replace("      tube_length_mm: 5\n", "")  # these shafts twist
     return identify(
-        files.loads(text, folder=FILE.parent), iter([drive["stress"].astype(float)]),
+        files.read(FILE), iter([drive["stress"].astype(float)]),
         rate=1 / STEP, gauges=GAUGES, units=UNITS,
         angle=Angle(Rotation(drive["time"], drive["turns"]), lag=0.02),
         torque=(drive["torque"].astype(float), 0.2 / STEP), seconds=float(drive["time"][-1]),

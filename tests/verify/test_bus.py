@@ -241,8 +241,9 @@ def test_what_says_nothing_at_its_ends_costs_no_cause(of, where):
         np.stack(list(rows.values())), rate=case.rate, names=rows, units=["MPa", "rpm", "Nm"]
     )
     campaign = Campaign(
-        sn="30,2e6,5", gauges=("S1",), speed="speed", torque="torque", mask=("sentinel",)
-    )
+        sn="30,2e6,5", gauges=("S1",), speed="speed", torque="torque", mask=("sentinel",),
+        engine_orders="3,6",
+    )  # fmt: skip
     (found,) = RecordingStudy(campaign).run(recording).answer.causes.evidence
     assert found.finding == GUILTY
     assert found.interval[0] > 0.8

@@ -4,22 +4,25 @@ import json
 
 import numpy as np
 import pytest
-from adversarial import bracket, made
+from adversarial import bracket, colour, made, oscillator
 from click.testing import CliRunner
 
 from cardan.base.errors import DesignError
 from cardan.cli.life import life as command
 from cardan.fatigue.angle import readings, shaft_angle
+from cardan.fatigue.beside import surely
 from cardan.fatigue.damage import miner
 from cardan.fatigue.evidence import (
     ALIKE,
     BORROWED,
     CANNOT_TELL,
+    DOUBLED,
     GUILTY,
     INNOCENT,
     SCALED,
     STEADY,
     TONE,
+    UNHEARD,
     Evidence,
     together,
 )
@@ -30,6 +33,7 @@ from cardan.fatigue.recording import in_memory
 from cardan.fatigue.response import identified
 from cardan.fatigue.strength import SNCurve
 from cardan.study.campaign import Campaign
+from cardan.study.recording import RecordingStudy
 
 CURVE = SNCurve(amplitude=30e6, cycles=2e6, slope=5).modified()
 
@@ -130,6 +134,121 @@ def test_an_engine_of_which_nothing_is_said_may_have_four_cylinders(tmp_path):
     assert told() == (CANNOT_TELL, [ALIKE])
     # Six cylinders have nothing at order 2; but this does not turn its sign with the torque.
     assert told("--engine-orders", "3,6") == (CANNOT_TELL, [STEADY])
+
+
+def stop_and_go(seed, *, engine, joints, starts=3, seconds=70.0, rate=400.0):
+    """Starts from rest into direct gear: MPa of a four-cylinder engine there, and of the joints.
+
+    Derived: the engine turns with the shaft, at another angle each time that the clutch takes it.
+    """
+    rng, n = np.random.default_rng(seed), int(seconds * rate)
+    t = np.arange(n) / rate
+    speed = np.tile(30 * np.clip(np.minimum(t / 15, (seconds - 8 - t) / 10), 0, 1), starts)
+    taken = np.repeat(rng.uniform(0, 2 * np.pi, starts), n)
+    pull = np.where(np.gradient(speed) < 0, -0.3, np.where(speed > 0, 1.0, 0.0))
+    pull *= 1 + 0.3 * colour(rng, speed.size, rate, low=0.02, high=0.3, slope=0.5)
+    twice = 4 * np.pi * np.cumsum(speed) / rate
+    road = colour(rng, speed.size, rate, low=0.8, high=150, slope=0.7) * np.sqrt(speed / 20)
+    stress = joints * pull * np.cos(twice + 1) + 3 * road
+    stress += engine * (0.35 + 0.65 * np.abs(pull)) * np.cos(twice + taken) * (speed > 15)
+    return identified(
+        1e6 * stress, rate=rate, angle=shaft_angle(speed, rate=rate), torque=1500 * pull,
+        damage=damage, engine_orders=(3.0, 6.0, 2.0),
+    ).evidence  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_few_spells_of_an_engine_that_nobody_heard_convict_nobody(seed):
+    """Of 12 gauges all were convicted: some ratio of the speed makes three spells agree."""
+    found = stop_and_go(seed, engine=12.0, joints=0.0)
+    assert found.finding == CANNOT_TELL
+    assert UNHEARD in found.doubts
+    # What the joints do agrees at the ratio that the speed has, far better than by chance.
+    assert stop_and_go(seed, engine=0.0, joints=12.0).finding == GUILTY
+
+
+def test_spells_tell_within_one_stretch_of_the_angle_and_beyond_the_chance_of_many_ratios():
+    """Derived: of noise alone t beyond its quantile of 1 - 0.05 / looks is a ratio's one in 20."""
+    spell = np.repeat(np.arange(24), 50)
+    rng = np.random.default_rng(2)
+    wave = np.exp(1j * rng.uniform(0, 6, spell.size))
+    may = np.arange(spell.size) % 50 < 40
+    scatter = 0.2 * (rng.normal(size=24) + 1j * rng.normal(size=24))[spell]
+    y = ((1 + scatter) * wave).real
+    one = np.zeros(spell.size, int)
+
+    def least(stretch, looks, here=slice(None)):
+        return surely(may[here], wave[here], y[here], stretch[here], looks=looks).min()
+
+    assert least(one, 1.0) > least(one, 1000.0) > 0.5
+    few = slice(0, 150)
+    assert least(one, 1.0, few) > 0.3
+    assert least(one, 1000.0, few) == 0.0
+    assert least(spell, 1.0) == 0.0
+
+
+def test_a_speed_is_that_of_all_gauges():
+    """S2 was acquitted (true 0.99) beside S1 that said that the shaft turns twice as fast.
+
+    S3 feels once a turn what goes with the torque: by half the speed that is order 2.
+    """
+    case = made(8, **PLAIN | {"guilt": 1.5, "road": 2.0, "engine": 0.0})
+    rng = np.random.default_rng(3)
+    road = 8 * colour(rng, case.stress.size, case.rate, low=0.8, high=150, slope=0.7)
+    once = 25 * case.torque / 1e4 * np.cos(2 * np.pi * case.turns) + 0.1 * road
+
+    def told(speed, *gauges):
+        data = np.stack([case.stress, road, once, speed, case.torque])
+        recording = in_memory(
+            data, rate=case.rate, names=["S1", "S2", "S3", "v", "T"],
+            units=["MPa", "MPa", "MPa", "rpm", "Nm"],
+        )  # fmt: skip
+        campaign = Campaign(sn="30,2e6,5", gauges=gauges, speed="v", torque="T")
+        heard = RecordingStudy(campaign).run(recording).answer.causes
+        return heard.evidence[-1], " ".join(map(str, heard.doubts))
+
+    found, doubts = told(60 * case.speed, "S1", "S2")
+    assert found.finding == INNOCENT
+    assert f"S2: {DOUBLED}" not in doubts
+    found, doubts = told(30 * case.speed, "S1", "S2")
+    assert found.finding == CANNOT_TELL
+    assert found.interval[1] == 1
+    assert DOUBLED in found.doubts
+    assert f"S2: {DOUBLED}" in doubts
+    assert told(30 * case.speed, "S3")[0].finding == GUILTY
+    assert told(30 * case.speed, "S1", "S3")[0].finding == CANNOT_TELL
+
+
+@pytest.mark.parametrize("seed", [913_082, 913_175, 913_004])
+def test_what_is_taken_off_is_what_is_said_to_go(seed):
+    """Guilty of 100 % by what follows order 2, unlocked: the table of causes gave joints 0 %."""
+    case = made(seed)
+    truth, answer = asked(case)
+    stress = 1e6 * case.stress
+    gone = 1 - damage(stress - answer.stress) / damage(stress)
+    assert (answer.evidence.finding == GUILTY) == (truth > 0.5)
+    assert max(gone, 0.0) == pytest.approx(answer.evidence.removed, abs=1e-3)
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_road_that_is_not_heard_standing_does_not_follow_the_shaft(seed):
+    """Of 60 gauges one was convicted of a crawl's road: when it stood, its engine idled.
+
+    Derived: a hop of 12 Hz while it rolls, whatever the speed; at rest 21.7 Hz of an idle.
+    """
+    rng, rate, n = np.random.default_rng(seed), 400.0, 48_000
+    t = np.arange(n) / rate
+    speed = 6 * np.clip(3 * np.sin(2 * np.pi * t / 20), 0, 1) * (1 + 0.05 * np.sin(t))
+    rolls = speed > 0
+    hop = oscillator(rng.normal(size=n), hertz=12.0, damping=0.1, rate=rate)
+    idle = np.cos(2 * np.pi * 21.7 * t + 0.1 * np.cumsum(rng.normal(size=n)))
+    stress = 20 * hop / hop.std() * rolls + 3 * idle * ~rolls + 0.1 * rng.normal(size=n)
+    found = identified(
+        1e6 * stress, rate=rate, angle=shaft_angle(speed, rate=rate), torque=1500.0 * rolls,
+        damage=damage, engine_orders=(3.0, 6.0),
+    ).evidence  # fmt: skip
+    assert found.finding != GUILTY
+    assert found.interval[0] <= 0
 
 
 def test_an_angle_not_to_trust_acquits_nobody():

@@ -127,6 +127,20 @@ def test_a_quick_run_up_bends_no_stiffness(application):
             assert p.low <= getattr(TRUE, p.name) <= p.high, p.name
 
 
+def test_what_the_model_leaves_out_does_not_average_out(application):
+    """Four times the recording: of what is not only noise the interval is no narrower, by a fifth.
+
+    By noise alone, and by blocks of windows, it is half to two thirds as wide.
+    """
+
+    def width(seconds):
+        found = asked(application, TRUE, 1, seconds=seconds).parameters
+        first = next(p for p in found if (p.name, p.part.number) == ("phase", 1))
+        return first.high - first.low
+
+    assert width(400.0) > 0.8 * width(100.0)
+
+
 def test_an_order_is_cut_to_rounding():
     """Of a steady shaft whole orders do not see each other, nor a level."""
     rate, n = 1000.0, 20_000

@@ -3,6 +3,8 @@
 Dowling, Mechanical Behavior of Materials, 4th ed., ch. 14; Clormann & Seeger, Stahlbau 55 (1986).
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -10,7 +12,8 @@ from scipy.optimize import brentq
 from cardan.base.errors import DesignError
 from cardan.base.units import GPa, MPa
 from cardan.fatigue.local import Local, Material, common
-from cardan.fatigue.rainflow import rainflow
+from cardan.fatigue.rainflow import discarded, half_cycles, rainflow, repeating
+from cardan.study.otherwise import Strained, strained
 
 STEEL = Material(
     modulus=206 * GPa, strength=900 * MPa, exponent=-0.09, ductility=0.6, ductility_exponent=-0.6,
@@ -107,6 +110,73 @@ def test_loops_are_those_of_rainflow():
     whole, _ = loops([0, *x])
     both = [sum(p.damage(STEEL, law="swt") for p in of) for of in (parts, whole)]
     assert both[0] == pytest.approx(both[1], rel=1e-9)
+
+
+def ishlinskii(x, size):
+    """Response to a history that begins at rest, by stops in parallel: Prandtl (1928).
+
+    Independent of memory and loops: a stop follows until it slides, and `size` (S) is that of the
+    first loading.
+    """
+    r = np.linspace(0, 1.001 * np.abs(x).max(), 4001)
+    slope = np.append(np.diff([size(s) for s in r]) / np.diff(r), 0.0)
+    weight, y, out = -np.diff(slope), np.zeros(r.size - 1), []
+    for v, before in zip(x, [0.0, *x[:-1]], strict=True):
+        y = np.clip(y + v - before, -r[1:], r[1:])
+        out.append(weight @ y)
+    return np.array(out)
+
+
+def test_open_legs_are_from_strain_to_strain():
+    """By stops: a leg of first loading had been taken for one of the doubled curve, 5 % of damage.
+
+    40, -50 .. 310, -320 never closes: each leg lies on the curve of first loading.
+    """
+    x = np.array([v * (-1) ** k for k, v in enumerate(range(40, 330, 10))]) * 1e6
+    _, rest = loops([0, *(x / 1e6)], notch=2.2)
+    local = ishlinskii(x, lambda s: float(STEEL.stress(np.array(s), notch=2.2)))
+    extent = ishlinskii(x, lambda s: strain(float(STEEL.stress(np.array(s), notch=2.2))))
+    legs = np.abs(np.diff(extent)) / 2
+    assert rest.amplitude[-legs.size :] == pytest.approx(legs, rel=1e-3)
+    assert rest.top[-legs.size :] == pytest.approx(np.maximum(local[1:], local[:-1]), rel=1e-3)
+
+
+def test_what_stays_open_counts_by_the_rule():
+    """`repeat`: the second passage, by stops; all three had told the same."""
+    x = np.array([0, 200, -70, 188, -60, 160, -50, 90, 10]) * 1e6
+
+    def damage(rule):
+        one = SimpleNamespace(low=x.min(), high=x.max())
+        of = Strained(material=STEEL, notch=2.2)
+        pieces = lambda: iter(np.split(x[None], [3], axis=1))  # noqa: E731
+        ((told, _),) = strained(pieces, [one], of, rule=rule)
+        return told
+
+    twice = np.concatenate([x, x])
+    local = ishlinskii(twice, lambda s: float(STEEL.stress(np.array(s), notch=2.2)))
+    extent = ishlinskii(twice, lambda s: strain(float(STEEL.stress(np.array(s), notch=2.2))))
+    open_, done = [], 0.0
+    for k in range(twice.size):
+        # A sample that turns nowhere is on its way.
+        if len(open_) > 1 and (twice[k] - twice[open_[-1]]) * (
+            twice[open_[-1]] - twice[open_[-2]]
+        ) >= 0:  # fmt: skip
+            open_.pop()
+        open_.append(k)
+        while len(open_) > 3:
+            a, b, c, d = twice[open_[-4:]]
+            if not (abs(c - b) <= abs(b - a) and abs(c - b) <= abs(d - c)):
+                break
+            one, other = open_[-3:-1]
+            if k >= x.size:
+                size = np.array(abs(extent[one] - extent[other]) / 2)
+                top = np.array(max(local[one], local[other]))
+                done += 1 / float(STEEL.cycles(size, np.array(0.0), top, "swt"))
+            del open_[-3:-1]
+    assert damage(repeating) == pytest.approx(done, rel=1e-3)
+    halves, closed = damage(half_cycles), damage(discarded)
+    assert closed < halves < 2 * done
+    assert closed == pytest.approx(0.0, abs=1e-12)  # each way is smaller than the one before
 
 
 def test_where_nothing_yields_it_is_basquin():

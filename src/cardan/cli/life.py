@@ -132,7 +132,12 @@ def _drawable(_: click.Context, __: click.Parameter, out: Path | None) -> Path |
     metavar="GAUGE",
     help="No speed: find it in this channel. It gives no angle to trust.",
 )
-@click.option("--joint-orders", default="2,4", show_default=True)
+@click.option(
+    "--joint-orders",
+    default="2,4",
+    show_default=True,
+    help="Of 2, 4 and 6: where they run with others' is said. Theirs is sought at all of them.",
+)
 @click.option("--engine", metavar="CHANNEL[:UNIT]", help="Engine speed.")
 @click.option(
     "--engine-orders",
@@ -362,7 +367,8 @@ def life(
     if html or pdf:
         from cardan.report import recording_story as story
 
-        told = story.recording(found, say=say, issue=_issue(recording, text=False))
+        issue = _issue(recording, application, changed, text=False)
+        told = story.recording(found, say=say, issue=issue)
         publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
     if found.answer is not None:
         _write_identified(campaign, found.answer, corrected, load_history, changed_history)
@@ -446,7 +452,7 @@ def _campaign(
     if html or pdf:
         from cardan.report import recording_story as story
 
-        told = story.campaign(found, say=say, issue=_issue(path, text=True))
+        told = story.campaign(found, say=say, issue=_issue(path, *written.named, text=True))
         publish(told, say=say, html=html, pdf=pdf, quiet=quiet)
     if found.answer is not None and any((corrected, load_history, changed_history)):
         ((_, _, heard),) = found.answer.parts
@@ -454,20 +460,23 @@ def _campaign(
     leave(verdict_on(found) or "pass")
 
 
-def _issue(path: Path, *, text: bool) -> Any:
-    """Return what says which report this is: the day, the file and what it held."""
+def _issue(first: Path, *others: Path | None, text: bool) -> Any:
+    """Return what says which report this is: the day, the files it is of and what they held."""
     from datetime import date
     from hashlib import file_digest
 
     from cardan.report.blocks import Issue
 
-    with path.open("rb") as file:
-        print_ = file_digest(file, "sha256").hexdigest()[:16]
+    def print_(path: Path) -> str:
+        with path.open("rb") as file:
+            return file_digest(file, "sha256").hexdigest()[:16]
+
+    paths = tuple(dict.fromkeys(p for p in (first, *others) if p is not None))
     return Issue(
         date=date.today().isoformat(),
-        files=(click.format_filename(path, shorten=True),),
-        prints=(print_,),
-        texts=(path.read_text(encoding="utf-8-sig"),) if text else (),
+        files=tuple(click.format_filename(p, shorten=True) for p in paths),
+        prints=tuple(map(print_, paths)),
+        texts=(first.read_text(encoding="utf-8-sig"),) if text else (),
     )
 
 

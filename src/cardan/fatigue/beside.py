@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cardan.base.arrays import BoolArray, ComplexArray, FloatArray
+from cardan.base.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from cardan.fatigue.locked import SLOWEST, Scene, levelled, running_mean
 from cardan.fatigue.orders import Rotation, wave
 
@@ -127,34 +127,43 @@ def softly(share: FloatArray | BoolArray, rate: float) -> FloatArray:
     return running_mean(np.asarray(share, float), max(round(0.5 * rate), 1))
 
 
-def surely(may: BoolArray, wave: ComplexArray, y: FloatArray) -> FloatArray:
+def surely(
+    may: BoolArray, wave: ComplexArray, y: FloatArray, stretch: IntArray, *, looks: float
+) -> FloatArray:
     """Share (n,) of an order's wave that is no engine's, though one `may` (n,) do the same.
 
     Where it does it is locked to the shaft as the joints are; but whenever it has let go it
     takes hold of it at another angle. So what all spells have in common is the shaft's own, as
-    far as they tell.
+    far as they tell: those within one stretch (n,) of the angle, for each stretch has been turned
+    until it fits the others.
     """
+    share = np.where(may, 0.0, 1.0)
+    spell: IntArray = np.cumsum(np.diff(may, prepend=False) & may, dtype=np.int64)
+    locked = np.asarray(2 * y * np.conj(wave), np.complex128)
+    power = np.abs(wave) ** 2
+    for one in np.unique(stretch[may]):
+        here = may & (stretch == one)
+        share[here] = _common(spell[here], locked[here], power[here], looks)
+    return share
+
+
+def _common(spell: IntArray, locked: ComplexArray, power: FloatArray, looks: float) -> float:
+    """Return the share that spells have in common of gains `locked` (n,) over `power` (n,)."""
     from scipy.special import stdtrit
 
-    spell = np.cumsum(np.diff(may, prepend=False) & may)[may]
-    if not spell.size:
-        return np.ones(may.size)
-    z = wave[may]
-    locked = 2 * y[may] * np.conj(z)
-    weight, real, imag = (
-        np.bincount(spell, v)[1:] for v in (np.abs(z) ** 2, locked.real, locked.imag)
-    )
+    weight, real, imag = (np.bincount(spell, v) for v in (power, locked.real, locked.imag))
     heard = weight > 0
     w = weight[heard] / max(float(weight.sum()), 1e-300)
     gain = (real + 1j * imag)[heard] / weight[heard]
     mean = complex(w @ gain)
     many = 1 / max(float(w @ w), 1e-300)
     if many < FEWEST_SPELLS or not abs(mean) > 0:
-        return np.where(may, 0.0, 1.0)
-    # Along the mean lies half of the scatter of a complex number.
-    scatter = float(w**2 @ np.abs(gain - mean) ** 2) * many / (many - 1) / 2
-    doubt = float(stdtrit(2 * (many - 1), 0.95)) * np.sqrt(scatter) / abs(mean)
-    return np.where(may, max(1.0 - doubt, 0.0), 1.0)
+        return 0.0
+    # Along the mean lies half of the scatter of a complex number; a ratio took one freedom more.
+    free = 2 * (many - 1) - 1
+    scatter = float(w**2 @ np.abs(gain - mean) ** 2) * many / free
+    doubt = float(stdtrit(free, 1 - 0.05 / max(looks, 1.0))) * np.sqrt(scatter) / abs(mean)
+    return max(1.0 - doubt, 0.0)
 
 
 def near(
@@ -176,6 +185,9 @@ def coming(x: FloatArray, scene: Scene, rate: float, *, where: BoolArray | None 
     then how loud the road is, by how the bracket answers there. Both are taken from where the
     order is `FAR` off, and periods in which nobody heard how loud the road was are left
     out; nan where that tells nothing, at steady speed.
+
+    To accuse, `where` (n,) it counts, only what rolls is compared with what rolls: a vehicle that
+    stands hears an engine idle and no road, and beside that every road came with the shaft.
     """
     n = max(2 * round(0.25 * rate), 8)
     if x.size < 8 * n:
@@ -188,6 +200,8 @@ def coming(x: FloatArray, scene: Scene, rate: float, *, where: BoolArray | None 
     power = np.abs(np.fft.rfft(level)[:, use]) ** 2
     off = np.abs(frequency[use] - order[:, None])
     far = off > FAR
+    if where is not None:
+        far &= order[:, None] > SLOWEST
     heard = far.sum(0) > 8
     far &= heard
     if not far.any() or not power[far].any():

@@ -36,7 +36,18 @@ from cardan.fatigue.cause import (
 from cardan.fatigue.conditioning import Health, finer, low_pass, no_zero, survey, treated
 from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.damage import Life, damage_exponent, miner, nearly, repeats_at
-from cardan.fatigue.evidence import STANDING, SWAPPED, UNSEEN, Evidence, together
+from cardan.fatigue.evidence import (
+    DOUBLED,
+    GUILTY,
+    HALVED,
+    INNOCENT,
+    SCALED,
+    STANDING,
+    SWAPPED,
+    UNSEEN,
+    Evidence,
+    together,
+)
 from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import (
@@ -686,6 +697,8 @@ NO_TORQUE = "no torque was given, so phase alone tells the joints from others"
 DOUBTS = (TOGETHER, OF_GAUGE, NO_ENGINE, DIRECT, NO_TORQUE)
 """What may leave a cause open."""
 
+JUDGED = GUILTY, INNOCENT
+
 IDENTIFIED = 300.0
 """Seconds of recording in which the joints' part is identified at once."""
 
@@ -728,16 +741,35 @@ def causes(
         )
         for gauge in plan.gauges
     ]  # fmt: skip
+    gauges = tuple(name for p in parts for name in p.gauges)
+    evidence = _of_one_speed([one for p in parts for one in p.evidence])
+    doubts = [doubt for p in parts for doubt in p.doubts] + [
+        said(OF_GAUGE, gauge=name, doubt=doubt)
+        for name, one in zip(gauges, evidence, strict=True)
+        for doubt in one.doubts
+    ]
     return replace(
         parts[0],
-        gauges=tuple(name for p in parts for name in p.gauges),
+        gauges=gauges,
         attributions=[one for p in parts for one in p.attributions],
-        evidence=[one for p in parts for one in p.evidence],
+        evidence=evidence,
         without=[one for p in parts for one in p.without],
         order2=np.concatenate([p.order2 for p in parts]),
         comparisons=[one for p in parts for one in p.comparisons],
-        doubts=list(dict.fromkeys(doubt for p in parts for doubt in p.doubts)),
+        doubts=list(dict.fromkeys(doubts)),
     )
+
+
+def _of_one_speed(evidence: list[Evidence]) -> list[Evidence]:
+    """Judge at no gauge of a recording at one of which its speed seems to be another's.
+
+    What is locked at another scale may be something else that turns: that only acquits nobody.
+    """
+    doubts = {d for one in evidence for d in one.doubts}
+    for doubt, withheld in ((DOUBLED, JUDGED), (HALVED, JUDGED), (SCALED, (INNOCENT,))):
+        if doubt in doubts:
+            return [one.unknown(doubt) if one.finding in withheld else one for one in evidence]
+    return evidence
 
 
 def _of_one(
@@ -790,8 +822,6 @@ def _of_one(
     doubt = _no_shaft(joints.angle, joints.engine, time, step=how.splitter.span)
     if doubt is not None:
         evidence = [one.unknown(doubt) for one in evidence]
-    for gauge, one in zip(plan.gauges, evidence, strict=True):
-        doubts += [said(OF_GAUGE, gauge=gauge.name, doubt=doubt) for doubt in one.doubts]
     if joints.engine is None:
         doubts.append(said(NO_ENGINE))
     elif (share := _direct(shaft, joints.engine, time)) > 0.2 and not engine_orders:

@@ -241,21 +241,34 @@ class Local:
             turns, stack, local, n, self.first, self.most, self.once, self.doubled, self.step, out
         )
         self.stack, self.local = stack[:n].copy(), local[:n].copy()
-        return self._loops(*out[:closed].T, count=1.0)
+        return self._loops(*out[:closed].T)
 
-    def rest(self) -> Loops:
-        """Return the legs that no loop closed, as halves."""
+    def rest(self, *, legs: bool = True) -> Loops:
+        """Return what the last turn closes, and the legs that nothing closed as halves."""
         done = self._followed(self.held[self.held.size // 2 :])
-        legs = self._loops(self.local[:-1], self.local[1:], count=0.5)
+        if not legs or self.stack.size < 2:
+            return done
+        left = self._legs()
         return Loops(
             *(
-                np.concatenate([getattr(done, k), getattr(legs, k)])
+                np.concatenate([getattr(done, k), getattr(left, k)])
                 for k in ("amplitude", "mean", "top", "count")
             )
         )
 
-    def _loops(self, one: FloatArray, other: FloatArray, *, count: float) -> Loops:
+    def _legs(self) -> Loops:
+        """Return the open legs as half loops.
+
+        First loading goes along the curve itself, from strain to strain; the ways behind it are
+        that curve doubled.
+        """
+        one, other, n = self.local[:-1], self.local[1:], self.first
+        virgin = np.sign(self.local[:n]) * self.material.strain(np.abs(self.local[:n]))
+        amplitude = self.material.strain(np.abs(other - one) / 2)
+        amplitude[: max(n - 1, 0)] = np.abs(np.diff(virgin)) / 2
+        return Loops(amplitude, (one + other) / 2, np.maximum(one, other), np.full(one.size, 0.5))
+
+    def _loops(self, one: FloatArray, other: FloatArray) -> Loops:
         """Return loops between two local stresses (n,) Pa; their strain is on the doubled curve."""
         amplitude = self.material.strain(np.abs(other - one) / 2)
-        number = np.full(one.size, count)
-        return Loops(amplitude, (one + other) / 2, np.maximum(one, other), number)
+        return Loops(amplitude, (one + other) / 2, np.maximum(one, other), np.ones(one.size))

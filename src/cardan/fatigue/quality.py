@@ -87,6 +87,12 @@ class Rule:
         """Whether it decides on this kind of this channel."""
         return self.kind in ("", kind) and self.channel in ("", channel)
 
+    def contradicts(self, other: "Rule") -> bool:
+        """Whether another rule, saying as much, decides otherwise on the same."""
+        alike = (self.kind, self.channel, self.always) == (other.kind, other.channel, other.always)
+        together = self.first <= other.last and other.first <= self.last
+        return alike and together and self.mask != other.mask
+
 
 @dataclass(frozen=True, kw_only=True)
 class Decided:

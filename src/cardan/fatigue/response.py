@@ -132,7 +132,8 @@ class Identified:
     evidence
         What they are answerable for.
     stress : (n,) Pa
-        Theirs; nought where nothing locked was found.
+        Theirs most likely, as `evidence.removed` says: what is fitted, locked or not, or where
+        nothing is locked all that follows order 2 through all frequencies.
     order2 : (n,) Pa
         0-to-peak amplitude of their order 2, as fitted, found or not.
     damage
@@ -417,11 +418,11 @@ class _Case:
         energy = force.size * float(np.vdot(force, force).real)
         return float(np.abs(lines).max()) ** 2 > ONE_TONE * energy
 
-    def following(self) -> tuple[float, float] | None:
-        """Share, at least and likely, of what follows order 2 where no engine may; None of others.
+    def following(self) -> tuple[float, float, FloatArray] | None:
+        """Share, at least and likely, of what follows order 2 where no engine may, and that (m,).
 
         It needs no angle: only what turns with the shaft goes through all frequencies with it.
-        So does any order of an engine that nobody heard, in some gear.
+        So does any order of an engine that nobody heard, in some gear. None of what does not.
         """
         if self.engine is None:
             where = ~above_idle(self.best)
@@ -433,7 +434,7 @@ class _Case:
         if not coming(self.x, self.best, self.rate, where=where) > FOLLOWS:
             return None
         close, more = self.beside(np.zeros_like(self.x), np.where(where, 1.0, 0.0))
-        return (more, close) if more > 0 else None
+        return (more, close, where * self.close(self.x, span=RIDES)) if more > 0 else None
 
     def sudden(self, rest: FloatArray, span: _Span) -> _Span:
         """Widen by what may be theirs if it comes with a torque that lasts for seconds only.
@@ -584,9 +585,9 @@ def _not_locked(case: _Case) -> Identified:
     if case.angle.trusted and span.high <= ACQUITTED:
         span = case.passing(case.x, span)
     span = case.pulling(wave, span)
-    low, high = span.low, min(span.high, 1.0)
+    low, high, theirs = span.low, min(span.high, 1.0), wave
     if there := case.following():
-        low, likely = there[0] - 0.01, max(likely, there[1])
+        low, likely, theirs = there[0] - 0.01, max(likely, there[1]), there[2]
         span = span.doubting(PASSING)
         if low >= CONVICTED and case.aside:
             low, span = 0.0, span.doubting(SCALED)
@@ -596,9 +597,7 @@ def _not_locked(case: _Case) -> Identified:
         if low >= CONVICTED and case.rolling > LUGS:
             low, span = 0.0, span.doubting(BORROWED)
     found = _told(case, float(np.clip(likely, 0.0, high)), min(low, high), high, span.doubts)
-    return Identified(
-        found, np.zeros(case.stress.size), case.size(case.line.wave), case.whole
-    )  # fmt: skip
+    return Identified(found, case.at_all(theirs), case.size(case.line.wave), case.whole)
 
 
 def _locked(case: _Case, seed: int) -> Identified:
@@ -691,7 +690,9 @@ def _sure(case: _Case, mean: FloatArray, own: FloatArray, margin: float) -> floa
     if may is None:
         return None
     if case.engine is None:
-        share = softly(surely(may, case.line.wave, own), case.rate)
+        share = softly(
+            surely(may, case.line.wave, own, case.best.stretch, looks=case.search.ratios), case.rate
+        )
         return case.removed(mean * share) - margin
     heard = np.where(may, 0.0, 1.0)
     share = softly(heard, case.rate)

@@ -176,7 +176,7 @@ def promise(of: Sequence[Promised], say: Language) -> list[tuple[str, ...]]:
     head = (say("gauge"), say("damage"), say("with the change"), say("hours"),
             say("with the change"))  # fmt: skip
     return [head] + [
-        (p.gauge, say.short(p.recorded.damage, 4), say.short(p.changed.damage, 4),
+        (p.gauge, say.small(p.recorded.damage, 4), say.small(p.changed.damage, 4),
          long(p.recorded), long(p.changed))
         for p in of
     ]  # fmt: skip

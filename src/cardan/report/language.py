@@ -299,6 +299,10 @@ class Language:
         value = 0.0 if abs(value) < 5e-10 else value
         return self.pointed(f"{value:.{digits}g}")
 
+    def small(self, value: float, digits: int) -> str:
+        """Return a number of which the least is something, as damage and odds are."""
+        return self.pointed(f"{value:.{digits}g}")
+
     def share(self, value: float, places: int = 0) -> str:
         """Return a share in per cent, to so many decimals: `12.5 %`."""
         return self.pointed(f"{100 * value:z.{places}f} %")

@@ -14,12 +14,12 @@ from cardan.fatigue.cause import JOINTS, MEANING, Attribution, Comparison
 from cardan.fatigue.conditioning import Health
 from cardan.fatigue.evidence import CANNOT_TELL, GUILTY, INNOCENT, TRIED, Evidence
 from cardan.fatigue.fault import FREEZE, HOLE, KINDS, SENTINEL
-from cardan.fatigue.life import Causes, GaugeLife, Plan
+from cardan.fatigue.life import Causes, GaugeLife
 from cardan.fatigue.locked import FOUND
 from cardan.fatigue.quality import FAST, Assumed, Rule
 from cardan.fatigue.rainflow import range_pairs
 from cardan.fatigue.recording import Recording
-from cardan.report import identified, otherwise, used
+from cardan.report import counting, identified, otherwise, used
 from cardan.report.contract import check, coverage, plain
 from cardan.report.language import EN, Language
 from cardan.report.terminal import columns, headline, table, without_answer
@@ -174,7 +174,7 @@ def document(found: Finding[Heard]) -> dict[str, Any]:
     """Return the JSON contract of `cardan life`: what is null is infinite or not known."""
     of = _heard(found)
     return {
-        **contract(of.recording, plan=of.plan, lives=of.lives, causes=of.causes),
+        **contract(of),
         **_more(of),
         "verdict": verdict_on(found),
         "profile": of.profile or None,
@@ -287,7 +287,7 @@ def mix_document(found: Finding[Mix]) -> dict[str, Any]:
         "recordings": [
             {
                 "times": times,
-                **contract(h.recording, plan=h.plan, lives=h.lives, causes=h.causes),
+                **contract(h),
                 **_more(h),
             }
             for _, times, h in of.parts
@@ -335,9 +335,7 @@ def mix_lines(of: Mix, say: Language = EN) -> Iterator[str]:
     yield from customers(of, say)
     for _, _, heard in of.parts:
         yield ""
-        yield from lines(
-            heard.recording, plan=heard.plan, lives=heard.lives, causes=heard.causes, say=say
-        )
+        yield from lines(heard, say)
         yield from _said_more(heard, say)
 
 
@@ -348,7 +346,7 @@ def customers(of: Mix, say: Language) -> Iterator[str]:
             "{gauge}: {share} of customers do at most {rate} damage per hour (90 % bound {bound}), "
             "each recording taken for one of them: {hours} h, at the bound {least} h",
             gauge=gauge, share=say.share(of.customer),
-            rate=say.short(rate * hour, 3), bound=say.short(bound * hour, 3),
+            rate=say.small(rate * hour, 3), bound=say.small(bound * hour, 3),
             hours=_long(of.allowed / (rate * hour), say),
             least=_long(of.allowed / (bound * hour), say),
         )  # fmt: skip
@@ -437,10 +435,9 @@ def _places(causes: Causes | None) -> dict[str, int]:
     return {name: k for k, name in enumerate(causes.gauges if causes else ())}
 
 
-def contract(
-    recording: Recording, *, plan: Plan, lives: Sequence[GaugeLife], causes: Causes | None
-) -> dict[str, Any]:
+def contract(of: Heard) -> dict[str, Any]:
     """Return what a recording did. Infinite or unknown numbers are null."""
+    recording, plan, lives, causes = of.recording, of.plan, of.lives, of.causes
     gauges: list[dict[str, Any]] = []
     places = _places(causes)
     for one in lives:
@@ -493,6 +490,7 @@ def contract(
             "shares": "Shapley",
             "masked": [_ruled(r, recording.begins) for r in plan.rules if r.mask],
             "accepted": [_ruled(r, recording.begins) for r in plan.rules if not r.mask],
+            "options": counting.document(of.campaign),
         },
         "channels": [
             {
@@ -532,7 +530,7 @@ def terminal(found: Finding[Heard], say: Language = EN) -> Iterator[str]:
     of = _heard(found)
     yield from _verdict(found, of.recording.name, of.profile, say)
     yield ""
-    yield from lines(of.recording, plan=of.plan, lives=of.lives, causes=of.causes, say=say)
+    yield from lines(of, say)
     yield from _said_more(of, say)
 
 
@@ -616,11 +614,9 @@ def _verdict(
     yield from without_answer(gaps(found.unanswered, say), coverage_of(found), say)
 
 
-def lines(
-    recording: Recording, *, plan: Plan, lives: Sequence[GaugeLife], causes: Causes | None,
-    say: Language = EN,
-) -> Iterator[str]:  # fmt: skip
+def lines(of: Heard, say: Language = EN) -> Iterator[str]:
     """Yield the report as lines of text."""
+    recording, lives, causes = of.recording, of.lives, of.causes
     duration = lives[0].quality.recorded
     yield say(
         "{recording}: {hours} h at {rate} Hz", recording=recording.name,
@@ -633,6 +629,7 @@ def lines(
     yield ""
     yield from columns(gauges(lives, say))
     yield ""
+    yield from counting.lines(of, say)
     for one in lives:
         yield from trust(one, rate=recording.rate, say=say)
     if causes is None:
@@ -651,10 +648,6 @@ def lines(
     )
     for doubt in causes.doubts:
         yield say("doubt: {doubt}", doubt=say.said(doubt))
-    yield say(
-        "Residue: {rule}; failure at damage {allowed}.",
-        rule=say(plan.rule.__name__.replace("_", " ")), allowed=say.short(plan.allowed),
-    )  # fmt: skip
 
 
 def channels(recording: Recording, lives: Sequence[GaugeLife], say: Language) -> Iterator[str]:
@@ -741,7 +734,7 @@ def blame(
             return say(
                 "{gauge}: CANNOT TELL: nothing that could be followed is locked to the shaft; by "
                 "phase and torque {share} of the damage would go with the joints (90 % interval "
-                "{low} to {high}). In the shares above, where it counts as others', {own}",
+                "{low} to {high}). With that taken for theirs, {own}",
                 gauge=gauge, own=own, **shares,
             )  # fmt: skip
         parts.append(
@@ -830,7 +823,7 @@ def trust(one: GaugeLife, *, rate: float, say: Language) -> Iterator[str]:
             gauge=name, share=say.share(of.fast), frequency=say.short(0.4 * rate),
         )  # fmt: skip
     if of.sheared:
-        each = (f"{say.given(n)} {say.short(damage, 4)}" for n, damage in of.measures.items())
+        each = (f"{say.given(n)} {say.small(damage, 4)}" for n, damage in of.measures.items())
         yield say(
             "{gauge}: mostly shear (biaxiality {biaxiality}), so its measure decides: damage by "
             "{measures}",

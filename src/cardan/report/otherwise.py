@@ -49,7 +49,7 @@ def lines(of: Otherwise, say: Language = EN) -> Iterator[str]:
         yield say(
             "{gauge}: by its local strain, with memory, a crack is there after {hours} h: damage "
             "{damage} of the recording, strain amplitude up to {strain} %",
-            gauge=of.gauge, hours=long(of.strain_hours), damage=say.short(of.strain_damage, 4),
+            gauge=of.gauge, hours=long(of.strain_hours), damage=say.small(of.strain_damage, 4),
             strain=say.short(100 * of.strain, 3),
         )  # fmt: skip
     if of.growth is not None:
@@ -69,9 +69,9 @@ def lines(of: Otherwise, say: Language = EN) -> Iterator[str]:
     yield say(
         "{gauge}: odds of failure in {hours} h: {first} by first order, {second} by second order, "
         "{sampled} ± {error} sampled (β {beta}); of the doubt, {shares}",
-        gauge=of.gauge, hours=say.short(odds.hours), first=say.short(odds.first.failure, 3),
-        second="-" if odds.second is None else say.short(odds.second.failure, 3),
-        sampled=say.short(odds.sampled.failure, 3), error=say.short(odds.sampled.error, 2),
+        gauge=of.gauge, hours=say.short(odds.hours), first=say.small(odds.first.failure, 3),
+        second="-" if odds.second is None else say.small(odds.second.failure, 3),
+        sampled=say.small(odds.sampled.failure, 3), error=say.small(odds.sampled.error, 2),
         beta=say.short(odds.first.beta, 3),
         shares=say.list(
             *(f"{say(n)} {say.share(share)}" for n, share in odds.shares.items())
@@ -91,7 +91,7 @@ def blocks(of: Sequence[Otherwise], say: Language) -> Iterator[Block]:
                 for v in (one.strain_hours, one.crack_hours)
             ),
             "-" if one.odds is None or one.odds.first is None
-            else say.short((one.odds.second or one.odds.first).failure, 3),
+            else say.small((one.odds.second or one.odds.first).failure, 3),
         )
         for one in of
     )  # fmt: skip

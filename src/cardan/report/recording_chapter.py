@@ -13,7 +13,7 @@ from cardan.fatigue.correction import Correction
 from cardan.fatigue.cuts import Cuts
 from cardan.fatigue.life import Causes, GaugeLife, Plan
 from cardan.fatigue.rainflow import range_pairs
-from cardan.report import otherwise, used
+from cardan.report import counting, otherwise, used
 from cardan.report.blocks import Block, Chapter, Figures, Picture, Table, Text
 from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
@@ -82,6 +82,7 @@ def chapter(of: Heard, say: Language, *, short: bool = False) -> Iterator[Block]
         caption=say("Gauges"), head=head, rows=tuple(rows),
         grades=tuple(("fail" if one.vetoed else "", *[""] * 6) for one in of.lives),
     )  # fmt: skip
+    yield from counting.blocks(of, say)
     rate = of.recording.rate
     yield Text(paragraphs=tuple(s for one in of.lives for s in trust(one, rate=rate, say=say)))
     yield Figures(figures=(_pairs(of.lives, of.causes, say), _field(of.lives, of.plan, of, say)))

@@ -82,11 +82,11 @@ def rows(of: Used, sort: str, say: Language) -> list[tuple[str, ...]]:
     for g in sorted(of.groups[sort], key=lambda g: -g.damage):
         name = say.pointed(g.name) if sort == "gear" else g.name
         row = (
-            name, say.short(g.damage, 3), say.share(g.share, 1),
+            name, say.small(g.damage, 3), say.share(g.share, 1),
             say.short(g.time / 60, 3),
         )  # fmt: skip
         per = g.damage / (g.distance / 1e3) if g.distance > 0 else math.nan
-        way = (say.short(g.distance / 1e3, 3), "-" if math.isnan(per) else say.short(per, 3))
+        way = (say.short(g.distance / 1e3, 3), "-" if math.isnan(per) else say.small(per, 3))
         found.append((*row, *way) if known else row)
     return found
 
@@ -112,8 +112,8 @@ def places(of: Used, say: Language) -> list[tuple[str, ...]]:
 def says(of: Used, say: Language) -> Iterator[str]:
     """Yield what it comes to in the long run, and how short a test can be."""
     run = of.long_run
-    recorded = say.short(run.rate * hour, 3)
-    low, high = (say.short(v * hour, 3) for v in run.interval)
+    recorded = say.small(run.rate * hour, 3)
+    low, high = (say.small(v * hour, 3) for v in run.interval)
     if run.unknown:
         yield say(
             "{gauge}: damage per hour {recorded} as recorded; in the long run at least {low}, and "
@@ -124,7 +124,7 @@ def says(of: Used, say: Language) -> Iterator[str]:
         yield say(
             "{gauge}: damage per hour {recorded} as recorded, {long_run} in the long run (90 % "
             "interval {low} to {high}), of roads as driven",
-            gauge=of.gauge, recorded=recorded, long_run=say.short(run.long_run * hour, 3),
+            gauge=of.gauge, recorded=recorded, long_run=say.small(run.long_run * hour, 3),
             low=low, high=high,
         )  # fmt: skip
     yield say(

@@ -109,6 +109,26 @@ CHOICES: Mapping[str, tuple[str, ...]] = {
 }
 """What an option may be, where it is one of a few."""
 
+NEEDED: Mapping[str, str] = {
+    "notch": "strain_life",
+    "strain_mean": "strain_life",
+    "crack_threshold": "crack",
+    "crack_shape": "crack",
+    "miner_scatter": "service_hours",
+    "state": "application",
+    "bearing": "application",
+    "rosette_kind": "rosettes",
+    "rosette_measure": "rosettes",
+    "pulses": "tacho",
+}
+"""Options that say how another one is meant, and do nothing without it."""
+
+TURNED_BY = "speed", "tacho", "estimate_speed"
+"""What may tell how far the shaft has turned, one of them."""
+
+JOINT_ORDERS = 2.0, 4.0, 6.0
+"""At which a joint swings its shaft, and at which it is identified."""
+
 _ABOVE, _FROM = "above", "at least"
 RANGES: Mapping[str, tuple[str, float, float]] = {
     "modulus_GPa": (_ABOVE, 0, 2000),
@@ -291,10 +311,11 @@ class Campaign:
             if wrong:
                 msg = f"{name} of a campaign must be above 0 and at most 100, got {wrong[0]:g}"
                 raise DesignError(msg)
+            if name == "joint_orders" and (none := sorted({*said} - {*JOINT_ORDERS})):
+                msg = f"joint_orders of a campaign are of 2, 4 and 6, got {none[0]:g}"
+                raise DesignError(msg)
+        self._hold_together()
         _ = self.rules, self.scales, self.strained, self.cracked  # refuse what is none
-        if self.notch is not None and self.strain_life is None:
-            msg = "--notch is of the local strain: it needs --strain-life"
-            raise DesignError(msg)
         if self.service_hours and not (self.scatter or self.gauge_error or self.miner_scatter):
             msg = "odds need something that scatters: --scatter, --gauge-error or --miner-scatter"
             raise DesignError(msg)
@@ -312,6 +333,21 @@ class Campaign:
             raise DesignError(msg)
         if self.identify and (self.torque is None or not (self.speed or self.tacho)):
             msg = "--identify needs the shaft's --torque and a --tacho or --speed"
+            raise DesignError(msg)
+
+    def _hold_together(self) -> None:
+        """Refuse options that do nothing beside the others, or say two things of one."""
+        plain = {f.name: f.default for f in fields(self)}
+        for name, other in NEEDED.items():
+            if getattr(self, name) != plain[name] and not getattr(self, other):
+                msg = f"{_option(name)} does nothing by itself: it needs {_option(other)}"
+                raise DesignError(msg)
+        if self.mean_sensitivity is not None and self.mean_stress not in ("fkm", "walker"):
+            msg = "--mean-sensitivity does nothing by itself: it needs --mean-stress fkm or walker"
+            raise DesignError(msg)
+        turned = [_option(name) for name in TURNED_BY if getattr(self, name)]
+        if len(turned) > 1:
+            msg = f"the shaft is turned by {turned[0]} or by {turned[1]}: say one of them"
             raise DesignError(msg)
 
     @property
@@ -370,10 +406,27 @@ class Campaign:
 
     @property
     def rules(self) -> tuple[Rule, ...]:
-        """What is masked and accepted of what looks wrong: what names a time counts last."""
-        said = [_rule(text, mask=True) for text in self.mask]
-        said += [_rule(text, mask=False) for text in self.accept]
-        return tuple(sorted(said, key=lambda r: not r.always))
+        """What is masked and accepted of what looks wrong: what says more counts last.
+
+        A time says more than a channel, and a channel more than none.
+
+        Raises
+        ------
+        DesignError
+            If the same is masked and accepted.
+        """
+        masked = [(text, _rule(text, mask=True)) for text in self.mask]
+        accepted = [(text, _rule(text, mask=False)) for text in self.accept]
+        for text, one in masked:
+            for other_text, other in accepted:
+                if one.contradicts(other):
+                    msg = (
+                        f"--mask {text} and --accept {other_text} say two things of the same: "
+                        "say one of them"
+                    )
+                    raise DesignError(msg)
+        said = [rule for _, rule in (*masked, *accepted)]
+        return tuple(sorted(said, key=lambda r: (not r.always, r.channel != "")))
 
     def within(self, first: float, last: float) -> "Campaign":
         """Return what is asked of a stretch of the recording: its rules, by the stretch's clock.
@@ -498,6 +551,11 @@ class Campaign:
         return replace(
             recording, channels=channels, read=read, notes=(*recording.notes, *notes)
         )  # fmt: skip
+
+    def strains(self, recording: Recording) -> bool:
+        """Return whether a gauge is of strain, which Young's modulus makes a stress."""
+        units = (given or recording.channel(c).unit for c, given in map(_named, self.gauges))
+        return bool(self.rosettes) or any(unit in STRAIN for unit in units)
 
     def _held(self, option: str, given: Iterable[str], known: Iterable[str], kind: str) -> None:
         """Refuse what is said of a gauge or channel that there is not."""
@@ -662,7 +720,8 @@ class Campaign:
         rule = (f"{of.channel}={SENTINEL}",)
         if of.accepted:
             return replace(self, accept=tuple(r for r in self.accept if not _sentinel(r)))
-        return replace(self, accept=(*self.accept, *rule))
+        masked = tuple(r for r in self.mask if not r.startswith(rule))
+        return replace(self, mask=masked, accept=(*self.accept, *rule))
 
     def _wheel(self) -> float | None:
         """Shaft turns a metre of the vehicle's way, where the axle and its tyres are given."""
@@ -869,6 +928,11 @@ def keyed(said: str) -> str:
         return _KEYS.get(at[1], name if name in options else at[0])
 
     return re.sub(r"--([A-Za-z][A-Za-z-]*[A-Za-z])", key, said)
+
+
+def _option(name: str) -> str:
+    """Return an option as it is written on the command line."""
+    return "--" + {"rosettes": "rosette"}.get(name, name).replace("_", "-")
 
 
 def numbers(text: str, *, of: str = "") -> tuple[float, ...]:

@@ -487,7 +487,7 @@ class _Fit:
         self.model, self.scene, self.cuts = model, model.scene, cuts
         self.units, self.gauges, self.noise = units, gauges, noise
         self.blocks = int(model.scene.block.max(initial=0)) + 1
-        self.alike: list[tuple[ComplexArray, ComplexArray]] = []
+        self.white: list[_White] = []
         self.kept: dict[bytes, ComplexArray] = {}
 
     def free(
@@ -641,34 +641,27 @@ class _Fit:
         """Measured less computed (gauges, K, W), in standard deviations; nought where unknown."""
         turn, *_ = self.turned(computed)
         off = np.nan_to_num((self.cuts.amplitude - computed * turn) / self.noise)
-        for k, (ways, back) in enumerate(self.alike):
-            off[:, k] -= (ways @ (back @ off[:, k].ravel())).reshape(off[:, k].shape)
+        for k, white in enumerate(self.white):
+            off[:, k] = white.of(off[:, k].ravel()).reshape(off[:, k].shape)
         return off
 
     def allowing(self, said: "_Said") -> "_Fit":
         """Return the same with what the model leaves out of the force alike at alike speeds.
 
-        A part of each way's force, by order, that is straight between knots of speed: its
-        covariance whitens what is left over.
+        A part of each way's force, by order: its covariance whitens what is left over.
         """
         force, felt = self.force(said), self.felt(said)
         turn, *_ = self.turned(np.tensordot(felt, force, axes=1))
-        pace = np.log2(self.scene.at.speed)
-        hats = np.concatenate([_hats(pace / o) for o in OCTAVES])
-        coasts = self.scene.torque < 0
-        hats = np.concatenate([hats * coasts, hats * ~coasts])
+        hats = _alike(self.scene.at.speed, self.scene.torque)
         known = np.where(np.isnan(self.cuts.amplitude), 0, ALIKE_OUT / self.noise)
-        found = []
-        for k in range(len(ORDERS)):
-            turned = force[:, k] * turn[k]
-            columns = np.einsum("gw,gc,cw,jw->gwcj", known[:, k], felt, turned, hats)
-            wide = columns.reshape(len(felt) * hats.shape[1], -1)
-            ways, size, _ = np.linalg.svd(wide, full_matrices=False)
-            ways, size = ways[:, size > FAINT], size[size > FAINT]
-            back = (1 - 1 / np.sqrt(1 + size**2))[:, None] * np.conj(ways).T
-            found.append((ways, back))
         other = copy(self)
-        other.alike = found
+        other.white = [
+            _White.by(
+                np.einsum("gw,gc,cw,jw->gwcj", known[:, k], felt, force[:, k] * turn[k], hats)
+                .reshape(felt.shape[0] * hats.shape[1], -1)
+            )
+            for k in range(len(ORDERS))
+        ]  # fmt: skip
         return other
 
     def rows(self, free: Sequence[_Free], x: FloatArray, *, memory: bool = True) -> FloatArray:
@@ -693,6 +686,36 @@ class _Said:
     lag: float
     law: float
     seat: FloatArray
+
+
+@dataclass(frozen=True)
+class _White:
+    """What makes errors of covariance 1 + C Cᴴ independent: its square root's inverse."""
+
+    ways: ComplexArray  # (m, j), square to one another
+    share: FloatArray  # (j,), that is taken off of each
+
+    @classmethod
+    def by(cls, columns: ComplexArray) -> "_White":
+        """Return it for columns C (m, n); those that are faint beside 1 are left out."""
+        ways, size, _ = np.linalg.svd(columns, full_matrices=False)
+        kept = size > FAINT
+        return cls(ways[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2))
+
+    def of(self, off: ComplexArray) -> ComplexArray:
+        """Return errors (m,) whitened."""
+        return off - self.ways @ (self.share * (np.conj(self.ways).T @ off))
+
+
+def _alike(speed: FloatArray, torque: FloatArray) -> FloatArray:
+    """Return what windows (W,) share of what is left out alike at alike speeds, (parts, W).
+
+    Straight between knots of speed, as far apart as each of `OCTAVES`; a line that coasts rests on
+    other flanks than one that is driven, and shares nothing with it.
+    """
+    pace, coasts = np.log2(speed), torque < 0
+    hats = np.concatenate([_hats(pace / o) for o in OCTAVES])
+    return np.concatenate([hats * coasts, hats * ~coasts])
 
 
 def _hats(at: FloatArray) -> FloatArray:

@@ -1,7 +1,7 @@
 """A gauge's stress judged otherwise than by its S-N curve: by strain, by a crack, by odds."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
@@ -14,8 +14,8 @@ from cardan.base.units import MPa, hour
 from cardan.fatigue import crack
 from cardan.fatigue.damage import Life, miner
 from cardan.fatigue.life import GaugeLife, Plan
-from cardan.fatigue.local import Local, Material
-from cardan.fatigue.rainflow import Cycles
+from cardan.fatigue.local import Local, Loops, Material
+from cardan.fatigue.rainflow import Cycles, ResidueRule, half_cycles, repeating
 from cardan.fatigue.reliability import (
     Estimate,
     Form,
@@ -147,25 +147,34 @@ class Otherwise:
 
 
 def strained(
-    pieces: Iterable[FloatArray], lives: Sequence[GaugeLife], of: Strained
-) -> list[tuple[float, float]]:
-    """Return damage and largest local strain amplitude of each gauge of a stress (gauges, n) Pa."""
+    pieces: Callable[[], Iterable[FloatArray]], lives: Sequence[GaugeLife], of: Strained, *,
+    rule: ResidueRule,
+) -> list[tuple[float, float]]:  # fmt: skip
+    """Return damage and largest local strain amplitude of each gauge of a stress (gauges, n) Pa.
+
+    `pieces` yields it from the beginning at each call. What no loop closes counts by the rule:
+    as half loops, not at all, or where the route is driven again and again what its second passage
+    closes, whose memory is the first's.
+    """
     followers = [
         Local(of.material, largest=max(abs(one.low), abs(one.high)), notch=of.notch)
         for one in lives
     ]
     damage, strain = np.zeros(len(lives)), np.zeros(len(lives))
 
-    def take(k: int, follower: Local, piece: FloatArray | None) -> None:
-        loops = follower.rest() if piece is None else follower.add(piece)
+    def take(k: int, loops: Loops) -> None:
         damage[k] += loops.damage(of.material, law=of.law)
         strain[k] = max(strain[k], float(loops.amplitude.max(initial=0.0)))
 
-    for piece in pieces:
+    if rule is repeating:
+        for piece in pieces():
+            for k, follower in enumerate(followers):
+                follower.add(piece[k])
+    for piece in pieces():
         for k, follower in enumerate(followers):
-            take(k, follower, piece[k])
-    for k, follower in enumerate(followers):
-        take(k, follower, None)
+            take(k, follower.add(piece[k]))
+    for k, follower in enumerate(followers if rule is not repeating else ()):
+        take(k, follower.rest(legs=rule is half_cycles))
     return [(float(d), float(s)) for d, s in zip(damage, strain, strict=True)]
 
 

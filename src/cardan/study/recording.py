@@ -128,6 +128,8 @@ class Heard:
 
     Attributes
     ----------
+    campaign
+        What it was asked.
     lives
         One a gauge of the plan; nan at those that have no samples.
     causes
@@ -152,6 +154,7 @@ class Heard:
     """
 
     recording: Recording
+    campaign: Campaign
     plan: Plan
     lives: tuple[GaugeLife, ...]
     causes: Causes | None
@@ -250,6 +253,7 @@ class RecordingStudy:
             study=NAME,
             answer=Heard(
                 recording=recording,
+                campaign=campaign,
                 plan=plan,
                 lives=tuple(lives),
                 causes=causes,
@@ -1040,12 +1044,16 @@ def _otherwise(
     gauges, own = zip(*told, strict=True)
     strains: Sequence[tuple[float | None, float]] = [(None, math.nan)] * len(own)
     if by_strain is not None:
-        stress = room.stresses(
-            recording, plan=replace(plan, gauges=gauges), healths=healths, name="strain",
-            progress=progress,
-        )  # fmt: skip
         sharp = any(not math.isnan(one.quality.samples_only) for one in own)
-        strains = strained(finer(stress) if sharp else stress, own, by_strain)
+
+        def pieces() -> Iterator[FloatArray]:
+            stress = room.stresses(
+                recording, plan=replace(plan, gauges=gauges), healths=healths, name="strain",
+                progress=progress,
+            )  # fmt: skip
+            return finer(stress) if sharp else stress
+
+        strains = strained(pieces, own, by_strain, rule=plan.rule)
     return tuple(
         Otherwise(
             gauge=one.name, duration=one.life.duration, allowed=plan.allowed,
