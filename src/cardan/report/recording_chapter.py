@@ -17,7 +17,7 @@ from cardan.report import otherwise, used
 from cardan.report.blocks import Block, Chapter, Figures, Picture, Table, Text
 from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
-from cardan.report.identified import modes, parameter, promise
+from cardan.report.identified import doubts, modes, parameter, promise
 from cardan.report.language import Language
 from cardan.report.life import (
     channels,
@@ -405,5 +405,6 @@ def identification(of: Identification, say: Language) -> Iterator[Block]:
                 "  unexplained of its energy: {before} % as written, {after} % as identified",
                 before=before, after=after,
             ).strip(),
+            *doubts(of, say),
         )
     )  # fmt: skip
