@@ -138,8 +138,9 @@ def surely(
     until it fits the others.
     """
     share = np.where(may, 0.0, 1.0)
-    spell = np.cumsum(np.diff(may, prepend=False) & may)
-    locked, power = 2 * y * np.conj(wave), np.abs(wave) ** 2
+    spell = np.cumsum(np.diff(may, prepend=False) & may, dtype=np.intp)
+    locked: ComplexArray = 2 * y * np.conj(wave)
+    power = np.abs(wave) ** 2
     for one in np.unique(stretch[may]):
         here = may & (stretch == one)
         share[here] = _common(spell[here], locked[here], power[here], looks)

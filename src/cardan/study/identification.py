@@ -126,6 +126,10 @@ below which they are told apart."""
 NEAR = 1.1
 """Ratio of frequencies up to which a mode may be one of the line on its rubber."""
 
+ODDS = 14.0
+"""Variances by which a shaft put together otherwise, or a mode, has to fit better to be likelier:
+2 ln of a dozen places that are looked at, where one line of a hundred has it."""
+
 BETTER = 0.3
 """Share of the misfit that another yoke phase or a mode of the bracket has to take away."""
 
@@ -947,7 +951,7 @@ def _best(fit: _Fit, *, phases: bool) -> _Found:
     options += [_solved(fit, None, mode, best) for mode in _modes(fit, best)]
     better = min(options, key=lambda o: o.misfit)
     # What explains as much by numbers that are likely is better as well.
-    likelier = better.misfit < best.misfit and better.strain < UNLIKELY <= best.strain
+    likelier = better.misfit < best.misfit - ODDS and better.strain < UNLIKELY <= best.strain
     return better if likelier or better.misfit < (1 - BETTER) * best.misfit else best
 
 
