@@ -44,7 +44,7 @@ toe of a sharp end read 110 MPa where halves, thirds and fifths read 77."""
 _LONG, _SHORT = 1.5, 0.6
 """Ways to where structural stress is read that elements there may be long; and what it may be short
 of by each way more. Where a clamped plane ends round a bend, elements 1.2 and 1.4 thicknesses long
-read 1 / 1.8 and 1 / 2.2 of what is there, those of 0.6 within a twentieth."""
+read 1 / 1.8 and 1 / 2.2 of what is there, those of 0.6 mostly within a tenth."""
 _MOMENTS = 24
 """Of a history, by which loads are compared."""
 _TWICE = 2
