@@ -7,7 +7,13 @@ import pytest
 import yaml
 
 from cardan import files
+from cardan.base.part import Occasion, Part
+from cardan.base.source import ASSUMED
+from cardan.base.units import deg, rpm
+from cardan.base.verdict import Check, Limit
 from cardan.quantity.quantities import QUANTITIES
+from cardan.report import wording
+from cardan.report.language import EN
 from cardan.study.approval import assess
 
 TRUCK = yaml.safe_load(
@@ -130,3 +136,21 @@ def test_a_line_between_axles_is_told_what_turns_it_unevenly():
     (note,) = (str(n) for n in tandem.noted if "as if the axle that it leaves" in str(n))
     assert f"swings by {swings.max():.4g} rad/s²" in note
     assert f"in {main.demand.states[swings.argmax()]}," in note
+
+
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [
+        (337.0808, ("337.08", "337.05")),
+        (337.05, ("337.1", "337.1")),
+        (340.0, ("340.0", "337.1")),
+    ],
+)
+def test_a_value_is_told_apart_from_the_bound_that_it_misses(value, shown):
+    """A row that fails must not read 337.1 <= 337.1."""
+    limit = Limit(quantity="n_beta", source=ASSUMED, maximum=337.05 * rpm * deg)
+    check = Check(
+        quantity="n_beta", line="main", when=Occasion("state", "gvw"), part=Part("joint", 1),
+        value=value * rpm * deg, limit=limit,
+    )  # fmt: skip
+    assert wording.held(check, EN) == shown

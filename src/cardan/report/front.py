@@ -12,7 +12,7 @@ from cardan.quantity.response import Response
 from cardan.report.book import Book, Sheet, column
 from cardan.report.drawing import drawable, in_state, state_to_show
 from cardan.report.judged import Judged, verdict
-from cardan.report.wording import place, sense, tally, worst_of_each
+from cardan.report.wording import held, place, sense, tally, worst_of_each
 from cardan.study.approval import Approval
 
 CHARTED = (
@@ -59,11 +59,11 @@ def fill(sheet: Sheet, of: Approval, judged: Sequence[Judged]) -> None:
     _words(sheet, (say("What decides"), say("where it is worst"), say("value"), say("bound"),
                    say("unit"), say("margin")), bold=True)  # fmt: skip
     for c in rows:
-        q = QUANTITIES[c.quantity]
+        q, (value, bound) = QUANTITIES[c.quantity], held(c, say)
         row = sheet.row
         _words(sheet, (
-            say.name(q.key), place(c, say, several=several), say.number(c.value / q.factor),
-            f"{sense(c, say)} {say.number(c.bound / q.factor)}", q.unit_name,
+            say.name(q.key), place(c, say, several=several), value,
+            f"{sense(c, say)} {bound}", q.unit_name,
             say.percent(c.margin),
         ))  # fmt: skip
         sheet.sheet.write_string(row, 0, say.name(q.key), book.graded[c.grade])

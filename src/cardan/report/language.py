@@ -283,7 +283,7 @@ class Language:
         """Return a state's name: one of the suspension's in the language, else as it is."""
         return self(name) if name in _STATES or name == "as given" else name
 
-    def number(self, value: float) -> str:
+    def number(self, value: float, figures: int = 4) -> str:
         """Return a number as an engineer writes it down: four figures."""
         if math.isnan(value):
             return "-"
@@ -292,7 +292,9 @@ class Language:
         if abs(value) < 1e-10:
             return "0"
         size = math.floor(math.log10(abs(value)))
-        return self.pointed(f"{value:.{max(0, 3 - size)}f}" if -3 <= size < 7 else f"{value:.3e}")
+        places = figures - 1
+        plain = f"{value:.{max(0, places - size)}f}"
+        return self.pointed(plain if -3 <= size < 7 else f"{value:.{places}e}")
 
     def short(self, value: float, digits: int = 6) -> str:
         """Return a number without the zeros that say nothing; what is left of nothing is 0."""

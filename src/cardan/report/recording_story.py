@@ -10,7 +10,7 @@ from cardan.report.language import Language
 from cardan.report.recording_chapter import chapter
 from cardan.report.recording_chapter import chapters as recorded
 from cardan.report.story import signs
-from cardan.report.wording import gaps, sense, worst_of_each
+from cardan.report.wording import gaps, held, sense, worst_of_each
 from cardan.study.approval import coverage_of
 from cardan.study.finding import Finding
 from cardan.study.recording import Heard, Mix, verdict_on
@@ -89,9 +89,8 @@ def _judged(of: Finding[Any], say: Language) -> Iterator[Block]:
 
 def _judgement(c: Check, say: Language) -> tuple[str, ...]:
     """Return a check on a gauge as a row."""
-    q = QUANTITIES[c.quantity]
+    q, (value, bound) = QUANTITIES[c.quantity], held(c, say)
     return (
         say(c.grade), say.name(q.key), say.list(say.part(c.part), say.occasion(c.when)),
-        say.number(c.value / q.factor), f"{sense(c, say)} {say.number(c.bound / q.factor)}",
-        q.unit_name, say.percent(c.margin),
+        value, f"{sense(c, say)} {bound}", q.unit_name, say.percent(c.margin),
     )  # fmt: skip

@@ -20,6 +20,7 @@ from cardan.report.language import EN, Language
 from cardan.report.screen import WIDTH, folded, table
 from cardan.report.svg import FAINT, GRADED, GRID, INK, PALETTE, Figure
 from cardan.report.terminal import BOLD, COLOURS, PLAIN, summary
+from cardan.report.wording import held
 from cardan.study.approval import Approval
 from cardan.study.finding import VIBRATION
 from cardan.study.launching import Started
@@ -70,12 +71,11 @@ def text(
 
 def _row(c: Check, say: Language) -> tuple[str, ...]:
     """Return a check as a row of the screen."""
-    q = QUANTITIES[c.quantity]
+    q, (value, bound) = QUANTITIES[c.quantity], held(c, say)
     sense = say("outside") if c.limit.band else c.limit.sense
     return (
         f"{COLOURS[c.grade]}{say(c.grade)}{PLAIN}", say.name(c.quantity), say.part(c.part),
-        say.occasion(c.when), say.number(c.value / q.factor),
-        f"{sense} {say.number(c.bound / q.factor)} {q.unit_name}".rstrip(),
+        say.occasion(c.when), value, f"{sense} {bound} {q.unit_name}".rstrip(),
     )  # fmt: skip
 
 

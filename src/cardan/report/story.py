@@ -38,6 +38,7 @@ from cardan.report.wording import (
     cited,
     counts,
     gaps,
+    held,
     left,
     move,
     moves_that_help,
@@ -304,13 +305,13 @@ def _rows(
     """Return checks as a table; with `sources` their numbers stand at the end."""
 
     def row(c: Check) -> tuple[str, ...]:
-        q = QUANTITIES[c.quantity]
+        q, (value, bound) = QUANTITIES[c.quantity], held(c, say)
         return (
             say(c.grade),
             say.name(q.key),
             place(c, say, several=several),
-            say.number(c.value / q.factor),
-            f"{sense(c, say)} {say.number(c.bound / q.factor)}",
+            value,
+            f"{sense(c, say)} {bound}",
             q.unit_name,
             say.percent(c.margin),
             *((f"[{sources.index(cited(c.limit.source, say)) + 1}]",) if sources else ()),

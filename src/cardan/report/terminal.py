@@ -20,6 +20,7 @@ from cardan.report.screen import bare as bare  # for whoever prints
 from cardan.report.sheet import line_title, sections
 from cardan.report.wording import (
     cited,
+    held,
     left,
     move,
     moves_that_help,
@@ -396,11 +397,9 @@ def table(
 
 def _numbers(c: Check, say: Language, source: int) -> tuple[str, ...]:
     """Return the cells of a check: value, sense, limit, unit, margin, number of its source."""
-    q = QUANTITIES[c.quantity]
-    return (
-        say.number(c.value / q.factor), _sense(c, say), say.number(c.bound / q.factor),
-        q.unit_name, say.percent(c.margin), f"[{source}]",
-    )  # fmt: skip
+    value, bound = held(c, say)
+    unit = QUANTITIES[c.quantity].unit_name
+    return value, _sense(c, say), bound, unit, say.percent(c.margin), f"[{source}]"
 
 
 def _aligned(rows: Sequence[tuple[str, ...]], *, right: Sequence[int]) -> list[str]:

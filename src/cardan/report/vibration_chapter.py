@@ -18,7 +18,7 @@ from cardan.report.stability import (
     tables,
     worst_of_parts,
 )
-from cardan.report.wording import sense, tally
+from cardan.report.wording import held, sense, tally
 from cardan.study.approval import verdict_of
 from cardan.study.finding import Finding
 from cardan.study.stability import Stability
@@ -75,5 +75,5 @@ def _row(c: Check, say: Language) -> tuple[str, ...]:
     """Return a check as a row."""
     q = QUANTITIES[c.quantity]
     where = say.list(say.part(c.part), say.occasion(c.when))
-    value, bound = say.number(c.value / q.factor), say.number(c.bound / q.factor)
+    value, bound = held(c, say)
     return say(c.grade), say.name(q.key), where, value, f"{sense(c, say)} {bound}", q.unit_name

@@ -144,15 +144,26 @@ def sense(c: Check, say: Language) -> str:
     return say("outside") if c.limit.band else {"<=": "≤", ">=": "≥"}[c.limit.sense]
 
 
+def held(c: Check, say: Language) -> tuple[str, str]:
+    """Return value and bound of a check, in as many figures as tell apart what is not equal."""
+    factor = QUANTITIES[c.quantity].factor
+    for figures in range(4, 10):
+        value, bound = (say.number(v / factor, figures) for v in (c.value, c.bound))
+        if value != bound:
+            return value, bound
+    return say.number(c.value / factor), say.number(c.bound / factor)
+
+
 def sentence(c: Check, say: Language) -> str:
     """Return a check as a sentence: what, where, how much, against what."""
     q, name = QUANTITIES[c.quantity], say.name(c.quantity)
+    value, bound = held(c, say)
     return say(
         "{what} in {state}: {value} against {limit} {unit}",
         what=name if c.part == LINE else f"{name}, {say.part(c.part)}",
         state=occasion(c, say),
-        value=say.number(c.value / q.factor),
-        limit=say.number(c.bound / q.factor),
+        value=value,
+        limit=bound,
         unit=q.unit_name,
     ).rstrip()
 
