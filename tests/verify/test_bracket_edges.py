@@ -73,12 +73,14 @@ def of_zone(v: Judged, zone: str, case: int) -> tuple[float, float, float]:
 @pytest.mark.parametrize("case", range(len(WAYS)))
 @pytest.mark.parametrize("broken", [name for name in BROKEN if name != "sharp"])
 def test_zones_live_as_those_of_sharp_edges(found, broken, case, zone):
-    """A chamfer's within what either leaves open, both within a tenth: lives within 1.6.
+    """A chamfer's within what either leaves open and a tenth: lives within 1.6.
 
-    A round of 0.3 t takes away metal where it is stressed most, and 8 % of the stress.
+    A round of 0.3 t is told 13 % more at most (0.90 to 1.01), of a section 3 % weaker, on the safe
+    side: a fifth at most, lives within 2.5.
     """
     sharp, mine = (of_zone(found[name], zone, case) for name in ("sharp", broken))
-    assert sharp[1] <= mine[0] <= sharp[2] * 1.02
-    if "chamfered" in broken:
+    chamfered = "chamfered" in broken
+    assert mine[0] == pytest.approx(sharp[0], rel=0.1 if chamfered else 0.2)
+    if chamfered:
+        assert sharp[1] <= mine[0] <= sharp[2] * 1.02
         assert mine[1] <= sharp[0] <= mine[2] * 1.02
-    assert mine[0] == pytest.approx(sharp[0], rel=0.1)
