@@ -166,7 +166,7 @@ def test_every_sentence_from_below_is_translated():
         evidence.GUILTY, evidence.INNOCENT, evidence.CANNOT_TELL,
         "half cycles", "repeating", "discarded",
     }  # fmt: skip
-    of_the_whole = {"hole", "drift", "hum", "unit", "rate", "strength"}
+    of_the_whole = {"hole", "drift", "hum", "unit", "rate", "strength", "bit"}
     assert set(conditioning.SUSPECTED) | of_the_whole == set(KINDS)
     for code in CODES[1:]:
         assert sorted(below - {text for _, text in catalogue(code)}) == []

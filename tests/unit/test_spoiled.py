@@ -1,6 +1,7 @@
 """Faults that leave a mark are found where they are, and without them the truth comes back."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from cardan.fatigue.damage import miner
 from cardan.fatigue.fault import BIT, GAIN, NOISE, REPEAT, SPIKE, ZERO_STEP
 from cardan.fatigue.gain import changes
 from cardan.fatigue.life import Plan, life
-from cardan.fatigue.quality import Rule
+from cardan.fatigue.quality import Effect, Quality, Rule
 from cardan.fatigue.rainflow import rainflow
 from cardan.fatigue.recording import in_memory
 from cardan.fatigue.strain import direct
@@ -204,6 +205,8 @@ def test_blows_are_no_noise():
         s = np.maximum(t - at, 0)
         x = x + 60 * (t > at) * np.exp(-8 * s) * np.sin(2 * np.pi * (12 + k % 50) * s)
         x = x + 40 * np.sin(np.pi * np.clip((t - at - 1) / 0.01, 0, 1))
+    # All frequencies alike, but at once: spikes, one a block.
+    x[9000 + 32 * np.arange(12) + np.arange(12) * 7 % 20] += 90
     (health,) = survey([x[None]], rate=RATE)
     assert NOISE not in health.faults
 
@@ -248,6 +251,15 @@ def test_kinds_that_hide_each_other_veto_together():
     (gauge,) = asked(y)
     assert gauge.vetoed
     assert gauge.quality.without_all < 0.5 * gauge.life.damage
+    some = [
+        Effect(kind=k, count=1, samples=1, share=0.0, undecided=1, recorded=1.0, without=0.87)
+        for k in (SPIKE, ZERO_STEP)
+    ]
+    of = Quality(live=1.0, recorded=1.0, effects=tuple(some), damage=1.0, without_all=0.72)
+    assert of.vetoes == (SPIKE, ZERO_STEP)
+    assert replace(of, without_all=0.9).vetoes == ()
+    decided = tuple(replace(e, undecided=0) for e in some)
+    assert replace(of, effects=decided).vetoes == ()
 
 
 AMPLIFIERS = """
