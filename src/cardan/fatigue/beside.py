@@ -139,7 +139,7 @@ def surely(
     """
     share = np.where(may, 0.0, 1.0)
     spell = np.cumsum(np.diff(may, prepend=False) & may, dtype=np.intp)
-    locked: ComplexArray = 2 * y * np.conj(wave)
+    locked = np.asarray(2 * y * np.conj(wave), np.complex128)
     power = np.abs(wave) ** 2
     for one in np.unique(stretch[may]):
         here = may & (stretch == one)
