@@ -12,7 +12,7 @@ from cardan.base.said import Said, said
 
 CONTRADICTED = 0.05
 """Share of order 2, all gauges alike, that no force explains: half a hundredth where scales are off
-by 10 %, one standard deviation; of one gauge that reads half 0.08, of one backwards a half."""
+by 10 %, one standard deviation; of one gauge that reads half up to 0.08, backwards a half."""
 FOUND_OUT = 0.25
 """Of that share, that is left where the one gauge that is wrong is left out."""
 OFF = 0.25

@@ -15,7 +15,7 @@ from cardan.base.part import Point
 from cardan.demand.points import Direction
 from cardan.demand.states import Demand, demand, demand_under, resolve, ride_under
 from cardan.model.application import Application, Installed, State
-from cardan.model.vehicle import SuspensionState
+from cardan.model.vehicle import Suspension, SuspensionState
 from cardan.quantity.response import Response, respond
 
 ENDS: tuple[SuspensionState, ...] = ("full rebound", "jounce")
@@ -97,7 +97,7 @@ def ride(
     Parameters
     ----------
     travel : (N,) m
-        Rise of the axle from the reference state.
+        Rise of the axle from the reference state, as it rides: no squat comes on top.
     torque : (N,) N m
         Of the line; negative holds back, and more than coasting can is driven in reverse.
     brakes
@@ -118,9 +118,10 @@ def ride(
     )
     at = replace(
         application,
+        suspension=_held(application.suspension),
         states=tuple(State(name=f"{k}", travel=float(h)) for k, h in enumerate(heights, 1)),
     )
-    asked = demand(resolve(at, installed))
+    asked = demand(resolve(at, replace(installed, suspension=_held(installed.suspension))))
     wound: FloatArray = (np.minimum(turned, 0.0) if brakes else turned)[None]
     coasts = brakes | ((wound < 0) & ~_reverses(wound, asked))
     under = demand_under(
@@ -128,6 +129,11 @@ def ride(
     )  # points of its own come first: here there is one
     layout = under.layout[0]
     return respond(at, asked, lay=lambda _: layout)
+
+
+def _held(suspension: Suspension | None) -> Suspension | None:
+    """Return a suspension that holds its axle as high as somebody puts it."""
+    return suspension and replace(suspension, squats=False)
 
 
 def way(response: Response, torque: float) -> Direction:
