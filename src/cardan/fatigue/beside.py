@@ -30,8 +30,11 @@ IDLE = 8.0
 """Turns a second below which no engine turns with the shaft: 480 rpm, where it would stall."""
 LEFT = 0.85
 """Of that, below which it has let go of the shaft, and takes hold of it elsewhere next time."""
-FEWEST_SPELLS = 1.5
-"""Of equal weight above idle, that tell anything of what they have in common."""
+FEWEST_SPELLS = 2.0
+"""Of equal weight above idle, that always agree at some ratio of the speed."""
+BY_CHANCE = 2e-3
+"""Odds at which an engine's spells may agree as far, at whichever ratio of the speed suits them
+best: of so many none may be convicted."""
 FAR = 9.0
 """Hz from order 2 at which half a second does not show it any more."""
 
@@ -128,14 +131,15 @@ def softly(share: FloatArray | BoolArray, rate: float) -> FloatArray:
 
 
 def surely(
-    may: BoolArray, wave: ComplexArray, y: FloatArray, stretch: IntArray, *, looks: float
+    may: BoolArray, wave: ComplexArray, y: FloatArray, *, stretch: IntArray, turns: FloatArray
 ) -> FloatArray:
     """Share (n,) of an order's wave that is no engine's, though one `may` (n,) do the same.
 
     Where it does it is locked to the shaft as the joints are; but whenever it has let go it
     takes hold of it at another angle. So what all spells have in common is the shaft's own, as
     far as they tell: those within one stretch (n,) of the angle, for each stretch has been turned
-    until it fits the others.
+    until it fits the others, and where that is more than the best of all ratios of the speed, by
+    its turns (n,), makes of angles by chance.
     """
     share = np.where(may, 0.0, 1.0)
     spell: IntArray = np.cumsum(np.diff(may, prepend=False) & may, dtype=np.int64)
@@ -143,11 +147,11 @@ def surely(
     power = np.abs(wave) ** 2
     for one in np.unique(stretch[may]):
         here = may & (stretch == one)
-        share[here] = _common(spell[here], locked[here], power[here], looks)
+        share[here] = _common(spell[here], locked[here], power[here], turns[here])
     return share
 
 
-def _common(spell: IntArray, locked: ComplexArray, power: FloatArray, looks: float) -> float:
+def _common(spell: IntArray, locked: ComplexArray, power: FloatArray, turns: FloatArray) -> float:
     """Return the share that spells have in common of gains `locked` (n,) over `power` (n,)."""
     from scipy.special import stdtrit
 
@@ -157,13 +161,32 @@ def _common(spell: IntArray, locked: ComplexArray, power: FloatArray, looks: flo
     gain = (real + 1j * imag)[heard] / weight[heard]
     mean = complex(w @ gain)
     many = 1 / max(float(w @ w), 1e-300)
-    if many < FEWEST_SPELLS or not abs(mean) > 0:
+    if many <= FEWEST_SPELLS or not abs(mean) > 0:
         return 0.0
-    # Along the mean lies half of the scatter of a complex number; a ratio took one freedom more.
-    free = 2 * (many - 1) - 1
-    scatter = float(w**2 @ np.abs(gain - mean) ** 2) * many / free
-    doubt = float(stdtrit(free, 1 - 0.05 / max(looks, 1.0))) * np.sqrt(scatter) / abs(mean)
+    own = np.bincount(spell, np.gradient(turns))[heard]
+    middle = np.bincount(spell, turns)[heard] / np.bincount(spell)[heard]
+    off = middle - w @ middle
+    apart = float(np.sqrt(w @ np.angle(gain * np.conj(mean)) ** 2))
+    if _agreeing(apart, many, far=float(np.sqrt(w @ off**2) / (w @ own))) > BY_CHANCE:
+        return 0.0
+    # Along the mean lies half of the scatter of a complex number.
+    scatter = float(w**2 @ np.abs(gain - mean) ** 2) * many / (many - 1) / 2
+    doubt = float(stdtrit(2 * (many - 1), 0.95)) * np.sqrt(scatter) / abs(mean)
     return max(1.0 - doubt, 0.0)
+
+
+def _agreeing(apart: float, many: float, *, far: float) -> float:
+    """Odds that so many angles by chance lie `apart` rad (rms) about a mean, at some ratio.
+
+    A ratio of the speed moves the angles of spells along a line; those that agree to a point of it
+    fill a tube about that: its length by a ball of the angles' other freedoms. It is as long as no
+    ratio turns a spell by more than a cycle in itself, and the spells lie so `far` (rms) from each
+    other, in lengths of one.
+    """
+    from scipy.special import gamma
+
+    free, radius = many - 2, apart * np.sqrt(many) / (2 * np.sqrt(np.pi))
+    return float(2 * far * many * radius**free / gamma(free / 2 + 1))
 
 
 def near(
