@@ -1963,7 +1963,7 @@ WEB = (
            "unit/test_recording_report.py::test_the_command_writes_reports"),
     mutant("report/language.py", 'return self.pointed(f"{value:.{digits}g}")\n\n    def share', 'return self.short(value, digits)\n\n    def share', "a small damage is none",
            "unit/test_recording_report.py::test_what_is_little_is_not_nought"),
-    mutant("fatigue/beside.py", "free, radius = many - 2, apart", "free, radius = many - 1, apart", "the ratio that makes spells agree is the only one",
+    mutant("fatigue/beside.py", "else (many - 2, 2 * far", "else (many - 1, 2 * far", "the ratio that makes spells agree is the only one",
            "verify/test_cause.py::test_the_best_of_many_ratios_makes_no_shaft_of_an_engine"),
     mutant("fatigue/beside.py", "here = may & (stretch == one)", "here = may", "spells agree whose zeros were turned until they do",
            "verify/test_cause.py::test_spells_that_agree_are_the_shaft_s_within_one_stretch_of_the_angle"),

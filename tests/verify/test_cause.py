@@ -170,7 +170,8 @@ def test_a_few_spells_of_an_engine_that_nobody_heard_convict_nobody(seed):
 def spells_of(angles, *, at, extent, steps=20):
     """Order 2 of spells that hold the shaft at angles of their own: may, wave by the shaft, y.
 
-    With turns and `own`, the wave at the ratio of the speed that makes the spells agree most.
+    With turns, `own`, the wave at the ratio of the speed that makes the spells agree most, and
+    the turns there.
     """
     x = np.linspace(-1, 1, steps + 2)[1:-1]
     turns = np.concatenate([2000 * (a + extent * np.append(x, 1.1)) for a in np.sort(at)])
@@ -181,7 +182,7 @@ def spells_of(angles, *, at, extent, steps=20):
     met = np.exp(-2j * np.pi * np.outer(ratios, turns[may])) @ (engine * shaft.conj())[may]
     k = np.abs(met).argmax()
     own = shaft * np.exp(2j * np.pi * ratios[k] * turns) * met[k] / abs(met[k])
-    return may, own, engine.real, turns
+    return may, own, engine.real, turns, (1 + ratios[k] / 2) * turns
 
 
 @pytest.mark.parametrize("spells", [2, 3, 5, 8])
@@ -194,8 +195,9 @@ def test_the_best_of_many_ratios_makes_no_shaft_of_an_engine(spells, extent):
     rng, shares = np.random.default_rng(spells), []
     for _ in range(200):
         at = (np.arange(spells) + rng.uniform(0.2, 0.8, spells)) / spells
-        may, own, y, turns = spells_of(rng.uniform(0, 6.3, spells), at=at, extent=extent)
-        shares.append(surely(may, own, y, stretch=np.zeros(may.size, int), turns=turns).min())
+        may, own, y, turns, best = spells_of(rng.uniform(0, 6.3, spells), at=at, extent=extent)
+        stretch = np.zeros(may.size, int)
+        shares.append(surely(may, own, y, stretch=stretch, turns=best, given=turns).min())
     # A tenth of an order's swing is two fifths of its damage, at a slope of 5.
     assert np.mean(np.array(shares) > 0.1) <= 0.01
 
@@ -203,10 +205,10 @@ def test_the_best_of_many_ratios_makes_no_shaft_of_an_engine(spells, extent):
 def test_spells_that_agree_are_the_shaft_s_within_one_stretch_of_the_angle():
     """Derived: twelve of angles within 0.1 rad have all but their scatter in common."""
     angles = 0.1 * np.random.default_rng(1).normal(size=12)
-    may, own, y, turns = spells_of(angles, at=(np.arange(12) + 0.5) / 12, extent=0.03)
+    may, own, y, turns, best = spells_of(angles, at=(np.arange(12) + 0.5) / 12, extent=0.03)
     one, each = np.zeros(may.size, int), np.arange(may.size) // 21
-    assert surely(may, own, y, stretch=one, turns=turns).min() > 0.9
-    assert surely(may, own, y, stretch=each, turns=turns).min() == 0.0
+    assert surely(may, own, y, stretch=one, turns=best, given=turns).min() > 0.9
+    assert surely(may, own, y, stretch=each, turns=best, given=turns).min() == 0.0
 
 
 def test_a_speed_is_that_of_all_gauges():

@@ -691,7 +691,8 @@ def _sure(case: _Case, mean: FloatArray, own: FloatArray, margin: float) -> floa
         return None
     if case.engine is None:
         best = case.best
-        sure = surely(may, case.line.wave, own, stretch=best.stretch, turns=best.turns)
+        given = case.scene(replace(case.first, ratio=1.0)).turns
+        sure = surely(may, case.line.wave, own, stretch=best.stretch, turns=best.turns, given=given)
         share = softly(sure, case.rate)
         return case.removed(mean * share) - margin
     heard = np.where(may, 0.0, 1.0)
