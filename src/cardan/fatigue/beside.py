@@ -34,6 +34,8 @@ FEWEST_SPELLS = 1.5
 """Of equal weight above idle, that tell anything of what they have in common."""
 BY_CHANCE = 2e-3
 """Odds at which an engine's spells may agree as far: of so many none may be convicted."""
+RIDING = 0.03
+"""Angle, rad, to which spells of a shaft's own agree, whose joints ride: nearer is chance."""
 FAR = 9.0
 """Hz from order 2 at which half a second does not show it any more."""
 
@@ -199,7 +201,7 @@ def _agreeing(apart: float, many: float, *, far: float | None = None) -> float:
     """
     from scipy.special import gamma
 
-    radius = apart * np.sqrt(many) / (2 * np.sqrt(np.pi))
+    radius = np.hypot(apart, RIDING) * np.sqrt(many) / (2 * np.sqrt(np.pi))
     free, length = (many - 1, 1.0) if far is None else (many - 2, 2 * far * np.sqrt(many))
     return float(np.sqrt(many) * length * radius**free / gamma(free / 2 + 1))
 
