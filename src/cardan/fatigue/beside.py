@@ -32,6 +32,10 @@ LEFT = 0.85
 """Of that, below which it has let go of the shaft, and takes hold of it elsewhere next time."""
 FEWEST_SPELLS = 1.5
 """Of equal weight above idle, that tell anything of what they have in common."""
+BY_CHANCE = 2e-3
+"""Odds at which an engine's spells may agree as far: of so many none may be convicted."""
+RIDING = 0.03
+"""Angle, rad, to which spells of a shaft's own agree, whose joints ride: nearer is chance."""
 FAR = 9.0
 """Hz from order 2 at which half a second does not show it any more."""
 
@@ -128,42 +132,78 @@ def softly(share: FloatArray | BoolArray, rate: float) -> FloatArray:
 
 
 def surely(
-    may: BoolArray, wave: ComplexArray, y: FloatArray, stretch: IntArray, *, looks: float
-) -> FloatArray:
+    may: BoolArray, wave: ComplexArray, y: FloatArray, *, stretch: IntArray, turns: FloatArray,
+    given: FloatArray,
+) -> FloatArray:  # fmt: skip
     """Share (n,) of an order's wave that is no engine's, though one `may` (n,) do the same.
 
     Where it does it is locked to the shaft as the joints are; but whenever it has let go it
     takes hold of it at another angle. So what all spells have in common is the shaft's own, as
     far as they tell: those within one stretch (n,) of the angle, for each stretch has been turned
-    until it fits the others.
+    until it fits the others, and where that is more than chance makes of angles, at the speed as
+    `given` (n,) turns or at the best of all its ratios, that of the wave's turns (n,).
     """
     share = np.where(may, 0.0, 1.0)
     spell: IntArray = np.cumsum(np.diff(may, prepend=False) & may, dtype=np.int64)
     locked = np.asarray(2 * y * np.conj(wave), np.complex128)
-    power = np.abs(wave) ** 2
+    power, back = np.abs(wave) ** 2, np.exp(4j * np.pi * (turns - given))
     for one in np.unique(stretch[may]):
         here = may & (stretch == one)
-        share[here] = _common(spell[here], locked[here], power[here], looks)
+        share[here] = _common(spell[here], locked[here], power[here], turns[here], back[here])
     return share
 
 
-def _common(spell: IntArray, locked: ComplexArray, power: FloatArray, looks: float) -> float:
-    """Return the share that spells have in common of gains `locked` (n,) over `power` (n,)."""
+def _common(
+    spell: IntArray, locked: ComplexArray, power: FloatArray, turns: FloatArray,
+    back: ComplexArray,
+) -> float:  # fmt: skip
+    """Return the share that spells have in common of gains `locked` (n,) over `power` (n,).
+
+    `back` (n,) turns them to the speed as it was given.
+    """
     from scipy.special import stdtrit
 
-    weight, real, imag = (np.bincount(spell, v) for v in (power, locked.real, locked.imag))
+    weight = np.bincount(spell, power)
     heard = weight > 0
     w = weight[heard] / max(float(weight.sum()), 1e-300)
-    gain = (real + 1j * imag)[heard] / weight[heard]
-    mean = complex(w @ gain)
+
+    def gains(z: ComplexArray) -> tuple[ComplexArray, complex, float]:
+        """Return each spell's gain, their mean, and how far apart their angles are, rad."""
+        sums = np.bincount(spell, z.real) + 1j * np.bincount(spell, z.imag)
+        gain = np.asarray(sums[heard] / weight[heard], np.complex128)
+        mean = complex(w @ gain)
+        return gain, mean, float(np.sqrt(w @ np.angle(gain * np.conj(mean)) ** 2))
+
+    gain, mean, apart = gains(locked)
     many = 1 / max(float(w @ w), 1e-300)
-    if many < FEWEST_SPELLS or not abs(mean) > 0:
+    if many <= FEWEST_SPELLS or not abs(mean) > 0:
         return 0.0
-    # Along the mean lies half of the scatter of a complex number; a ratio took one freedom more.
-    free = 2 * (many - 1) - 1
-    scatter = float(w**2 @ np.abs(gain - mean) ** 2) * many / free
-    doubt = float(stdtrit(free, 1 - 0.05 / max(looks, 1.0))) * np.sqrt(scatter) / abs(mean)
+    own = np.bincount(spell, np.gradient(turns))[heard]
+    middle = np.bincount(spell, turns)[heard] / np.bincount(spell)[heard]
+    off = middle - w @ middle
+    far = float(np.sqrt(w @ off**2) / max(float(w @ own), 1e-300))
+    tried = (_agreeing(gains(locked * back)[2], many), _agreeing(apart, many, far=far))
+    if 2 * min(tried) > BY_CHANCE:
+        return 0.0
+    # Along the mean lies half of the scatter of a complex number.
+    scatter = float(w**2 @ np.abs(gain - mean) ** 2) * many / (many - 1) / 2
+    doubt = float(stdtrit(2 * (many - 1), 0.95)) * np.sqrt(scatter) / abs(mean)
     return max(1.0 - doubt, 0.0)
+
+
+def _agreeing(apart: float, many: float, *, far: float | None = None) -> float:
+    """Odds that so many angles by chance lie `apart` rad (rms) about their mean.
+
+    Those that do fill a ball in the space of all angles against one. Where a ratio of the speed
+    was sought that suits them it is a tube, for the ratio moves the angles along a line: as long
+    as none turns a spell by more than a cycle in itself, and the spells lie so `far` (rms) from
+    each other, in lengths of one.
+    """
+    from scipy.special import gamma
+
+    radius = np.hypot(apart, RIDING) * np.sqrt(many) / (2 * np.sqrt(np.pi))
+    free, length = (many - 1, 1.0) if far is None else (many - 2, 2 * far * np.sqrt(many))
+    return float(np.sqrt(many) * length * radius**free / gamma(free / 2 + 1))
 
 
 def near(

@@ -119,11 +119,6 @@ class Search:
         lags = np.arange(-lag, lag + 1e-9, 0.05 if lag < 0.5 else 0.06)
         return np.unique(np.rint(lags * self.rate / self.every).astype(np.int64))
 
-    @property
-    def ratios(self) -> float:
-        """How many ratios are looked at that are not one: order 2 makes a cycle more of each."""
-        return 4 * OFF * float(np.ptp(self.turns))
-
     @cached_property
     def around(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Times, turns and turns/s from the latest lag on to the earliest: a lag is a place."""

@@ -690,9 +690,10 @@ def _sure(case: _Case, mean: FloatArray, own: FloatArray, margin: float) -> floa
     if may is None:
         return None
     if case.engine is None:
-        share = softly(
-            surely(may, case.line.wave, own, case.best.stretch, looks=case.search.ratios), case.rate
-        )
+        best = case.best
+        given = case.scene(replace(case.first, ratio=1.0)).turns
+        sure = surely(may, case.line.wave, own, stretch=best.stretch, turns=best.turns, given=given)
+        share = softly(sure, case.rate)
         return case.removed(mean * share) - margin
     heard = np.where(may, 0.0, 1.0)
     share = softly(heard, case.rate)
