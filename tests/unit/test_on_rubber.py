@@ -143,13 +143,13 @@ def test_what_rubber_leaves_of_a_clearance_is_asked(tmp_path):
     text = rods(1000, {426.6: 0}) + "include: [gravity]\n"
     near = "obstacles: [{name: ball, start_mm: [1200, 400, -21], radius_mm: 20}]\n"
     found = told(tmp_path, text + near)
-    assert not found["notes"]
+    assert ["nothing slides" in note for note in found["notes"]] == [True]
     (left,) = (s["clearances_on_rubber_mm"]["ball"] for s in found["states"])
     (free,) = (s["clearances_mm"]["ball"] for s in found["states"])
     # And 5.1 N of the torque's, and none of the weight's: that hung there before.
     assert free - left == pytest.approx(1.690 + 5.1 / 120 / 2, abs=0.03)
     # Ten times the torque: 17 mm, which no rubber gives, is told.
-    (note,) = told(tmp_path, rods(10000, {426.6: 0}))["notes"]
+    (note,) = (n for n in told(tmp_path, rods(10000, {426.6: 0}))["notes"] if "moves by" in n)
     assert 15 < float(re.search(r"up to (\S+) mm", note)[1]) < 25
 
 

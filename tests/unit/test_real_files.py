@@ -455,3 +455,10 @@ def _counted(call, seen):
         return call(self, *args, **how)
 
     return counting
+
+
+def test_a_row_of_fewer_numbers_says_where_they_end(tmp_path):
+    """It was no answer at all: every row of the file holds numbers."""
+    (tmp_path / "a.csv").write_text("1,1,1\n1\n1,1,1\n\n", encoding="utf-8")
+    with pytest.raises(BadFile, match=r"a\.csv:2:.*numbers begin at line 1 and then.*'1'"):
+        open_recording(tmp_path / "a.csv", rate=100.0)

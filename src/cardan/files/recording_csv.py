@@ -199,13 +199,16 @@ def dialect(path: Path) -> Dialect:
     for k, line in enumerate(lines[: chosen.first]):
         fields = _fields(line, chosen.delimiter)
         if len(fields) == len(chosen.columns) and _numeric(fields, chosen.decimal):
-            # What stands above the rows may hold as many numbers: the first row that is none is
-            # where they end.
+            # What stands above the rows may hold as many numbers: the first row that is none, or
+            # not as many, is where they end.
             at, wrong, cells = next(
                 (n, row, cut)
                 for n, row in enumerate(lines[k + 1 :], k + 2)
                 if row.strip()
-                and not _numeric(cut := _fields(row, chosen.delimiter), chosen.decimal)
+                and (
+                    len(cut := _fields(row, chosen.delimiter)) != len(fields)
+                    or not _numeric(cut, chosen.decimal)
+                )
             )
             named = enumerate(cells, 1)
             cell = next((c for c in named if not _is_number(c[1], chosen.decimal)), None)
