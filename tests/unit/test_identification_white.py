@@ -29,7 +29,8 @@ def test_coasting_shares_nothing_with_driving():
 def test_errors_are_the_less_alike_the_farther_speeds_are_apart():
     """Neighbours share what goes by quarters of an octave; three octaves off, the common part."""
     own, *others = shared(100 * 2.0 ** np.array([0, 0.125, 0.5, 2.3, 3]), np.full(5, 1e3))[0]
-    assert own > 1.1 * others[0] > 1.2 * others[1] > 1.3 * others[2]
+    assert own >= others[0] > 1.2 * others[1]
+    assert others[1] > 1.2 * others[2]
     assert others[2] == pytest.approx(others[3], rel=0.1)
     assert others[3] > 0.5
 

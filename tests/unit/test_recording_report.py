@@ -30,6 +30,7 @@ from cardan.report.identified import NAMES, parameter
 from cardan.report.language import CODES, Language, catalogue
 from cardan.report.pdf import document
 from cardan.report.recording_chapter import haigh
+from cardan.study import agreement
 from cardan.study.campaign import Campaign
 from cardan.study.identification import Parameter
 from cardan.study.otherwise import Otherwise
@@ -159,6 +160,7 @@ def test_every_sentence_from_below_is_translated():
     """Those that are made where no report is: by their English text."""
     below = {
         *NAMES.values(), *map(str, evidence.DOUBTS), *room.DOUBTS, conditioning.DEAD, *KINDS,
+        *agreement.DOUBTS,
         conditioning.MISSING, conditioning.DRIFTS, *conditioning.SUSPECTED.values(),
         conditioning.HUMS, *quality.IMPOSSIBLES, *quality.DOUBTS,
         evidence.GUILTY, evidence.INNOCENT, evidence.CANNOT_TELL,

@@ -187,12 +187,15 @@ def test_the_page_says_what_is_found(name, code, to):
 
 @pytest.mark.slow
 def test_gauges_feel_what_elements_of_another_hand_say():
-    """Sideways to 2 %, by CalculiX, whose gauges the recording is of; the file is up to 6 % off."""
+    """Sideways to 3.5 %, by CalculiX, whose gauges the recording is of; the file is up to 6 % off.
+
+    A gain goes with how soft the bearings are, whose intervals are 5 % to either side.
+    """
     from collector_bracket import TABLE
 
     strain, of = json.loads(TABLE.read_text())["strain_per_N"], heard("promise.yaml").identification
     true = 210e9 * np.array([strain[name][1] for name in ("S1", "S2", "S3")])
-    np.testing.assert_allclose(of.units[:3, 1], true, rtol=0.02)
+    np.testing.assert_allclose(of.units[:3, 1], true, rtol=0.035)
 
 
 @pytest.mark.slow

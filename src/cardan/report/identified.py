@@ -78,6 +78,11 @@ def _mode(of: Identification, mode: Mode, say: Language) -> Iterator[tuple[str, 
         yield name, felt, "-", say.short(found, 3), between, remark
 
 
+def doubts(of: Identification, say: Language) -> list[str]:
+    """Return why nothing is told, a sentence each."""
+    return [say("nothing is told: {doubt}", doubt=say.said(doubt)) for doubt in of.doubts]
+
+
 def lines(of: Identification, say: Language = EN) -> Iterator[str]:
     """Yield what a recording says of its application as lines of text."""
     yield say(
@@ -89,6 +94,7 @@ def lines(of: Identification, say: Language = EN) -> Iterator[str]:
         "  unexplained of its energy: {before} % as written, {after} % as identified",
         before=before, after=after,
     )  # fmt: skip
+    yield from (f"  {line}" for line in doubts(of, say))
     head = (say("number"), say("of"), say("written"), say("found"), say("90 % interval"), "")
     rows = [head, *(parameter(p, say) for p in of.parameters), *modes(of, say)]
     yield from (f"  {line}" for line in columns(rows, words=(0, 1, 5)))
@@ -106,6 +112,7 @@ def document(of: Identification) -> dict[str, Any]:
         "state": of.state,
         "centre_bearing": of.bearing,
         "unexplained": {"written": of.misfit[0], "found": of.misfit[1]},
+        "doubts": [str(doubt) for doubt in of.doubts],
         "parameters": [
             {
                 "name": NAMES[p.name],

@@ -17,7 +17,7 @@ from cardan.report import counting, otherwise, used
 from cardan.report.blocks import Block, Chapter, Figures, Picture, Table, Text
 from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
-from cardan.report.identified import modes, parameter, promise
+from cardan.report.identified import doubts, modes, parameter, promise
 from cardan.report.language import Language
 from cardan.report.life import (
     channels,
@@ -406,5 +406,6 @@ def identification(of: Identification, say: Language) -> Iterator[Block]:
                 "  unexplained of its energy: {before} % as written, {after} % as identified",
                 before=before, after=after,
             ).strip(),
+            *doubts(of, say),
         )
     )  # fmt: skip

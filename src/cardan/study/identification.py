@@ -36,6 +36,7 @@ import numpy as np
 from cardan.base.arrays import ComplexArray, FloatArray, IntArray
 from cardan.base.errors import DesignError
 from cardan.base.part import LINE, Part
+from cardan.base.said import Said
 from cardan.base.units import deg, mm
 from cardan.demand.states import demand, demand_under, resolve
 from cardan.fatigue.angle import Angle
@@ -51,6 +52,7 @@ from cardan.loads.running import running
 from cardan.model.application import Application
 from cardan.model.layout import Layout, unit
 from cardan.quantity.response import Response, respond
+from cardan.study.agreement import backwards, disagreeing, unlike
 
 ORDERS = (1.0, 2.0, 4.0)
 """Orders that are held against each other."""
@@ -123,6 +125,10 @@ below which they are told apart."""
 
 NEAR = 1.1
 """Ratio of frequencies up to which a mode may be one of the line on its rubber."""
+
+ODDS = 14.0
+"""Variances by which a shaft put together otherwise, or a mode, has to fit better to be likelier:
+2 ln of a dozen places that are looked at, where one line of a hundred has it."""
 
 BETTER = 0.3
 """Share of the misfit that another yoke phase or a mode of the bracket has to take away."""
@@ -228,6 +234,8 @@ class Identification:
         Frequencies of the line on its rubber, as found.
     shaken
         Modes that the gauges feel beside the orders: what road and engine shake.
+    doubts
+        Why no number is told, if any.
     """
 
     application: Application
@@ -246,6 +254,7 @@ class Identification:
     misfit: tuple[float, float]
     hung: tuple[float, ...] = ()
     shaken: tuple[Mode, ...] = ()
+    doubts: tuple[Said, ...] = ()
 
     def way(self, mode: Mode) -> int | None:
         """Return which way a force on the bearing does the same to the gauges as a mode.
@@ -942,7 +951,7 @@ def _best(fit: _Fit, *, phases: bool) -> _Found:
     options += [_solved(fit, None, mode, best) for mode in _modes(fit, best)]
     better = min(options, key=lambda o: o.misfit)
     # What explains as much by numbers that are likely is better as well.
-    likelier = better.misfit < best.misfit and better.strain < UNLIKELY <= best.strain
+    likelier = better.misfit < best.misfit - ODDS and better.strain < UNLIKELY <= best.strain
     return better if likelier or better.misfit < (1 - BETTER) * best.misfit else best
 
 
@@ -1055,12 +1064,22 @@ def _told(
             )
         )  # fmt: skip
     parameters += _unbalance(fit, said, computed[:, 0], U)
+    second, noise, scene = fit.cuts.amplitude[:, 1], fit.cuts.noise[:, 1], fit.scene
+    asked = (
+        disagreeing(second, noise, units=fit.units, gauges=tuple(fit.gauges)),
+        backwards(scene.fine_torque, scene.fine_speed, rate=FINE),
+        unlike(second, noise, computed[:, 1]),
+    )
+    doubts = tuple(doubt for doubt in asked if doubt is not None)
+    if doubts:  # numbers that fit what is wrong are wrong, and surely so
+        parameters = [replace(p, told=False, assumed=False) for p in parameters]
     result = Identification(
         application=application, identified=application, state=state, bearing=bearing,
         parameters=tuple(parameters), gauges=tuple(fit.gauges), cuts=fit.cuts,
         torque=fit.scene.torque, written=written, found=computed,
         units=units, mean=units @ fit.model.mean.T, mark=mark,
         misfit=(_share(fit, written), _share(fit, computed)), hung=fit.model.hung(said.held),
+        doubts=doubts,
     )  # fmt: skip
     changes = {p.address: p.told_in_unit(p.value) for p in parameters if p.rewritten}
     return replace(result, identified=changed(application, changes))
