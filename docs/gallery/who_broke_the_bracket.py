@@ -21,7 +21,9 @@ from cardan.kinematics.chain import turn
 from cardan.loads import loads
 from cardan.model.layout import from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft
-from cardan.report.life import figure, lines
+from cardan.report.language import EN
+from cardan.report.life import figure, gauges, who
+from cardan.report.terminal import columns
 
 UNIT_STRESS = np.array([10.0, 25.0, 35.0]) * MPa / 1e3  # per N along x, y, z: assumed
 LENGTHS = (1.2, 1.5)
@@ -74,7 +76,7 @@ for seed, (name, (side, phase)) in enumerate(CASES.items(), start=7):
     drive, plan, lives, found = analysed(per_torque, seed)
     told[name] = found.attributions[0], found.comparisons[0]
     print(f"{name}: predicted order 2 {per_torque * 1e3 / MPa:.2f} MPa per kN m at the gauge")
-    for line in lines(drive, plan=plan, lives=lives, causes=found):
+    for line in (*columns(gauges(lives, EN)), *who(lives, found)):
         print("  " + line)
     sheet = plt.figure(figsize=(11, 10), layout="constrained")
     figure(sheet, recording=drive, lives=lives, causes=found)

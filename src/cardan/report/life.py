@@ -632,8 +632,12 @@ def lines(of: Heard, say: Language = EN) -> Iterator[str]:
     yield from counting.lines(of, say)
     for one in lives:
         yield from trust(one, rate=recording.rate, say=say)
-    if causes is None:
-        return
+    if causes is not None:
+        yield from who(lives, causes, say)
+
+
+def who(lives: Sequence[GaugeLife], causes: Causes, say: Language = EN) -> Iterator[str]:
+    """Yield the causes at each gauge as lines of text."""
     places = _places(causes)
     for one in lives:
         k = places.get(one.name)
