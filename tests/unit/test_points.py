@@ -371,7 +371,7 @@ def test_a_torque_may_jump_at_a_speed():
 
 
 def test_a_speed_that_is_said_is_asked_though_no_gear_drives_it_there():
-    """Downhill: the brake holds in the fastest gear, full load falls off; backing has no hills."""
+    """Downhill: the brake holds in the fastest gear, or nothing does; backing has no hills."""
     top = float(TRUCK.engine.speed[-1]) / min(TRUCK.gearbox.ratios)
     said = 1.2 * top
     of = asked(replace(TRUCK, speed=said, states=(State(name="gvw", kind="gvw"),)))
@@ -381,16 +381,18 @@ def test_a_speed_that_is_said_is_asked_though_no_gear_drives_it_there():
         for d, g, end in zip(found.directions, found.gears, found.fastest[:, 0], strict=True)
     }
     last = f"{len(TRUCK.gearbox.ratios)}"
-    assert [k for k, end in fast.items() if end > 1] == [
-        (d, last) for d in ("drive", "coast", "brake") if (d, last) in fast
-    ]
-    assert fast["drive", last] == pytest.approx(1.2)
+    beyond = {k: end for k, end in fast.items() if end > 1}
+    assert set(beyond) == {
+        ("drive", ""), ("coast", last), *({("brake", last)} & fast.keys())
+    }  # fmt: skip
+    assert list(beyond.values()) == pytest.approx([1.2] * len(beyond))
+    assert fast["drive", last] == pytest.approx(1.0)
     slow = asked(replace(TRUCK, speed=None, states=(State(name="gvw", kind="gvw"),)))
-    for direction, share in (("drive", 0.5), ("coast", 1.0)):
-        before, after = (torque(x, direction, last, top, "gvw") for x in (slow, of))
-        assert after == pytest.approx(before)
-        assert torque(of, direction, last, 1.1 * top, "gvw") == pytest.approx(share * before)
-    assert torque(of, "drive", last, said, "gvw") == pytest.approx(0, abs=1e-9)
+    assert ("drive", "") not in set(zip(curves(slow).directions, curves(slow).gears, strict=True))
+    held = torque(slow, "coast", last, top, "gvw")
+    assert torque(of, "coast", last, said, "gvw") == pytest.approx(held)
+    assert torque(of, "drive", last, top, "gvw") == torque(slow, "drive", last, top, "gvw") > 0
+    assert torque(of, "drive", "", said, "gvw") == 0.0
 
 
 def test_a_governor_ends_the_line_s_speed():

@@ -323,18 +323,17 @@ def _geared(
     """Yield a curve for each gear from its corners (..., G, E), at most as fast as is said.
 
     What is said may be faster than the engine turns in its fastest gear, downhill: its brake
-    holds as much there, and full load falls off to nothing.
+    holds as much there.
     """
     said, reach = said_speed(asked.standing.line), speed[..., -1]
     for g, name in enumerate(gears.names):
         end = np.fmin(reach[..., g], said)
         at, gives = (_beside_states(v[..., g, :]) for v in (speed, torque))
-        rolls = (reach[..., g] == reach.max(-1)) & (said > reach[..., g]) & (direction != "reverse")
-        if rolls.any():
+        rolls = (reach[..., g] == reach.max(-1)) & (said > reach[..., g])
+        if rolls.any() and direction in ("coast", "brake"):
             end = np.where(rolls, said, end)
-            kept = 0.0 if direction == "drive" else 1.0
             at = _followed(at, np.where(rolls, said, reach[..., g]))
-            gives = _followed(gives, np.where(rolls, kept, 1.0) * gives[..., -1])
+            gives = _followed(gives, np.broadcast_to(gives[..., -1], rolls.shape))
         yield _Curve(
             gear=name, direction=direction, speed=at, torque=gives, most=most,
             fastest=np.where(there, end, np.nan),
@@ -365,6 +364,9 @@ def _drive(asked: Demand) -> Iterator[_Curve]:
     yield from _geared(
         asked, "drive", line.gears, torque, speed, most=asked.slip_torque, there=there & ~said
     )
+    rolls = there & ~said & (said_speed(line) > speed[..., -1].max(-1))
+    if rolls.any():  # faster than any gear drives it the line rolls without torque
+        yield from _level(asked, "drive", 0.0 * asked.torque, there=rolls)
 
 
 def _coast(asked: Demand) -> Iterator[_Curve]:
