@@ -801,6 +801,8 @@ RECORDED = (
            "three gauges are blamed for one", "unit/test_spoiled.py::test_a_gain_that_fades_is_told_by_another_gauge"),
     mutant("fatigue/chatter.py", "EVEN * power[loud] ** 2", "1e9 * power[loud] ** 2", "a blow is noise",
            "unit/test_spoiled.py::test_blows_are_no_noise"),
+    mutant("fatigue/chatter.py", "SAME = 0.75", "SAME = 0.0", "a mode that rings for long is noise",
+           "verify/test_proving_ground.py::test_a_bracket_that_rings_on_a_rough_road_is_no_contact_that_chatters"),
     mutant("fatigue/twice.py", "<= again.size <= MOST * at.size", "<= again.size <= at.size", "a bench that repeats is a copy",
            "unit/test_spoiled.py::test_a_bench_that_repeats_is_no_copy"),
     mutant("fatigue/folded.py", "SHARP = 2.8", "SHARP = 9.0", "what touches nought bounces off it",

@@ -75,6 +75,15 @@ def statistics(seeds, **asked):
     return np.mean(inside), wrong, told / clear, spoiled
 
 
+def test_a_bracket_that_rings_on_a_rough_road_is_no_contact_that_chatters():
+    """A mode at a fifth of the sample rate: five of its spells were flat enough in frequency."""
+    of = drive(650023)
+    (life, _), _ = heard(of)
+    assert not {"noise"} & {effect.kind for effect in life.quality.effects}
+    assert not life.vetoed
+    assert life.life.damage == pytest.approx(damage(of.stress[0]), rel=0.02)
+
+
 @pytest.mark.slow
 def test_ten_drives():
     """Twenty gauges: 90 % intervals miss six or more once in ninety times; none is wrong.

@@ -17,6 +17,9 @@ LINES = slice(3, 11)
 FLAT = 0.35
 """Geometric over arithmetic mean of their powers, from which they are flat; of white noise 0.5 to
 0.6 in the mean, of a mode's ring 0.05."""
+SAME = 0.75
+"""Flatness of their mean over a burst, over that of noise: of noise 0.9 to 1.2, of a mode that
+rings on a rough road, of which some blocks are flat by chance, 0.3 to 0.6."""
 EVEN = 4.5
 """Fourth moment over the square of the second up to which a block is even; of noise 3, of a single
 blow 10 and more."""
@@ -34,6 +37,7 @@ class Chatter:
         self.usual = np.zeros(ROUND.size, np.intp)
         self.starts: list[IntArray] = []
         self.powers: list[FloatArray] = []
+        self.lines: list[FloatArray] = []
         self.low, self.high = np.inf, -np.inf
 
     def add(self, ahead: FloatArray, *, start: int, size: int) -> None:
@@ -55,9 +59,10 @@ class Chatter:
         loud = np.flatnonzero(power > 2 * (REACHES * (self.high - self.low)) ** 2)
         rows, step = rows[loud], step[loud]
         lines = np.abs(np.fft.rfft(rows * np.hanning(SIZE), axis=-1))[:, LINES] ** 2
-        flat = np.exp(np.log(np.maximum(lines, 1e-300)).mean(-1)) > FLAT * lines.mean(-1)
+        flat = _flatness(lines) > FLAT
         even = (step**4).mean(-1) < EVEN * power[loud] ** 2
         kept = loud[flat & even]
+        self.lines.append(lines[flat & even])
         self.starts.append(start + first + kept * SIZE)
         self.powers.append(power[kept])
 
@@ -70,11 +75,28 @@ class Chatter:
             return np.empty((0, 2), np.intp)
         typical = 2.0 ** (ROUND[np.searchsorted(met, met[-1] / 2)] / OCTAVE)
         least = max(LOUD * typical, 2 * (REACHES * (self.high - self.low)) ** 2)
-        starts = starts[powers > least]
+        enough = powers > least
+        starts, lines = starts[enough], np.concatenate(self.lines)[enough]
         if not starts.size:
             return np.empty((0, 2), np.intp)
         fresh = np.diff(starts, prepend=-4 * SIZE) > 3 * SIZE
         last = starts[np.append(np.flatnonzero(fresh)[1:] - 1, starts.size - 1)] + SIZE
         runs = np.stack([np.maximum(starts[fresh] - SIZE, 0), last + SIZE], -1)
-        # Once is chance: a contact chatters for two blocks at least.
-        return runs[runs[:, 1] - runs[:, 0] >= 4 * SIZE]
+        # Once is chance: a contact chatters for two blocks at least, and all together are white.
+        at = np.flatnonzero(fresh)
+        white = _flatness(np.add.reduceat(lines, at)) > SAME * _usual(
+            np.diff(at, append=starts.size)
+        )
+        return runs[white & (runs[:, 1] - runs[:, 0] >= 4 * SIZE)]
+
+
+def _flatness(lines: FloatArray) -> FloatArray:
+    """Return the geometric over the arithmetic mean of powers (..., lines)."""
+    return np.exp(np.log(np.maximum(lines, 1e-300)).mean(-1)) / np.maximum(lines.mean(-1), 1e-300)
+
+
+def _usual(count: IntArray) -> FloatArray:
+    """Return the flatness that the mean of so many (k,) spectra of white noise has."""
+    from scipy.special import digamma
+
+    return np.exp(digamma(count)) / count
