@@ -654,8 +654,8 @@ def test_a_wrong_file_is_told_what_is_wrong(old, new, messages):
          ["f.yaml:11:71: suspension.linkage.dx_mm: must hold 2 values, one for each travel (got 1 "
           "values)"]),
         ("suspension: {spring: {rates_N_mm: [90]}, reference: windup}", ["f.yaml:11:53: suspension."
-         "reference: reference of a suspension must be one of full rebound, rebound, curb, empty, "
-         "gvw, overload, jounce: windup"]),
+         "reference: must be one of full rebound, rebound, curb, empty, gvw, overload, jounce (got "
+         "windup)"]),
         ("obstacles: [{name: tank, start_mm: [0, 0, 0], line: front}]", ["f.yaml:11:53: obstacles[1]"
          ".line: no driveline of this name (got front); there are: main"]),
         ("obstacles: [{name: tank, start_mm: [0, 0, 0], radius_mm: 9, diameter_mm: 9}]",

@@ -79,7 +79,7 @@ REFUSED_LATER = {
     ),
     "a state without a load": (
         TRUCK.replace("    gvw: {mass_kg", "    full: {mass_kg"),
-        "- full rebound", "states[1]: suspension state gvw needs the axle's load",
+        "reference: gvw", "suspension.reference: suspension state gvw needs the axle's load",
     ),
 }  # fmt: skip
 

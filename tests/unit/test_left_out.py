@@ -63,6 +63,13 @@ def test_what_is_left_out_is_told(said):
     assert [note for note in notes if said in note] != []
 
 
+def test_a_load_state_that_is_lacking_is_told_by_its_key():
+    """Its height is given, so naming `cg_height_mm` would send its reader looking."""
+    notes = noted(lambda table: (drop(table, "vehicle", "loads", "gvw"),
+                                 table.update(states=[{"name": "as it lies"}])))  # fmt: skip
+    assert any("pull in as it lies: vehicle.loads.gvw would say how far" in n for n in notes)
+
+
 def test_a_sliding_fit_ahead_of_the_last_shaft_is_told():
     def moved(table):
         front, rear = table["driveline"]["shafts"]

@@ -641,32 +641,42 @@ def _speed(line: ResolvedLine) -> FloatArray:
 def _travel(line: ResolvedLine, axle_loads: dict[tuple[str, float], FloatArray]) -> FloatArray:
     """Rise of the axle from the reference layout in each state, (..., S) m; 0 where held."""
     at_rest = height(line.reference, line.reference_loading)
+    placed = [
+        free and s.kind is not None and s.travel is None and height(s, loading) != at_rest
+        for s, loading, free in zip(line.states, line.loadings, line.free, strict=True)
+    ]
+    start: FloatArray | None = None
+    if any(placed) and (springs := line.suspension) is not None:
+        with about(f"{_of_suspension(line)}.reference"):
+            load = axle_loads[line.reference_loading.key]
+            start = deflection(springs, springs.reference, axle_load=load)
 
-    def rise(state: State, loading: Loading, *, free: bool) -> ArrayLike:
-        if not free or state.kind is None or state.travel is not None:
-            return state.travel if free and state.travel is not None else 0.0
-        if height(state, loading) == at_rest:
-            return 0.0
-        if line.suspension is None:
+    def rise(state: State, loading: Loading) -> ArrayLike:
+        if line.suspension is None or start is None:
             msg = (
                 f"state {state.name} cannot place the {line.installed.drives} axle of line "
                 f"{line.line.name}: give that axle a suspension, or the state a travel"
             )
             raise DesignError(msg)
-        start = axle_loads[line.reference_loading.key]
-        reference = deflection(line.suspension, line.suspension.reference, axle_load=start)
-        load = axle_loads[loading.key]
-        return deflection(line.suspension, state.kind, axle_load=load) - reference
+        assert state.kind is not None  # or nothing places it
+        return deflection(line.suspension, state.kind, axle_load=axle_loads[loading.key]) - start
 
     risen: list[ArrayLike] = []
     for k, (s, loading) in enumerate(zip(line.states, line.loadings, strict=True)):
         with about(f"states[{k + 1}]"):
-            risen.append(rise(s, loading, free=bool(line.free[k])))
+            said = s.travel if line.free[k] and s.travel is not None else 0.0
+            risen.append(rise(s, loading) if placed[k] else said)
     # A tandem's forward axle is behind its main line, the other behind that from axle to axle;
     # where torque flows forward the hindmost is the first.
     sign = 1.0 if line.installed.output_joint is None else -1.0
     rocked = (sign * a if line.installed.drives == "rear" else 0.0 for a in _rocked(line))
     return _by_state(risen) + _by_state(rocked)
+
+
+def _of_suspension(line: ResolvedLine) -> str:
+    """Return where a file has a line's suspension: its own, or the vehicle's."""
+    own = f"drivelines.{line.line.name}." if line.installed.suspension else ""
+    return f"{own}suspension"
 
 
 def _stands(line: ResolvedLine, travel: FloatArray, *, reference: FloatArray) -> FloatArray:
@@ -692,8 +702,7 @@ def _standing(
 ) -> Standing:
     """Return the line with its axle where springs and linkage have it, (..., S)."""
     free, states = line.free, line.states
-    own = f"drivelines.{line.line.name}." if line.installed.suspension else ""
-    with about(f"{own}suspension"):
+    with about(_of_suspension(line)):
         dx, pitch = axle_path(line.suspension.linkage if line.suspension else Linkage(), travel)
     turned = _by_state(s.pitch if f else 0.0 for s, f in zip(states, free, strict=True))
     yields = free & np.array([s.pitch is None for s in states])

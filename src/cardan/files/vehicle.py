@@ -58,8 +58,8 @@ from cardan.model.vehicle import (
     Linkage,
     LoadState,
     Spring,
+    StandingState,
     Suspension,
-    SuspensionState,
     Tyre,
     Vehicle,
 )  # fmt: skip
@@ -430,7 +430,7 @@ class SuspensionTable(Table):
     windup_stiffness: WindupStiffness | None = key("of the axle in pitch", default=None)
     windup_loss_factor: LossFactor | None = key("of the springs in pitch", default=None)
     brake_torque: Torque = key("of the brakes on the axle; 0: what the tyres hold", default=0.0)
-    reference: SuspensionState = key("state in which the geometry is given", default="gvw")
+    reference: StandingState = key("state in which the geometry is given", default="gvw")
     full_rebound_deflection: Deflection | None = key("where a check strap stops it", default=None)
     jounce_deflection: Deflection | None = key("where a bump stop stops it", default=None)
     squat: bool = key("whether what its tyres pull moves it on its springs", default=True)

@@ -9,6 +9,7 @@ from cardan.base.errors import DesignError
 from cardan.base.said import Said, said
 from cardan.base.units import mm
 from cardan.base.verdict import EQUAL, GRADES
+from cardan.demand.line import ResolvedLine
 from cardan.demand.suspension import beyond_stops, spring_load, table_rates
 from cardan.loads.rubber import LOSS
 from cardan.model.application import Application
@@ -398,5 +399,19 @@ def _of_the_axle(r: Response) -> Iterator[Said]:
             "{states}: {missing} would say how far",
             line=name,
             states=_where(r, unknown),
-            missing="tyre" if line.tyre is None else "cg_height_mm",
+            missing=_unknown_load(line, unknown),
         )
+
+
+def _unknown_load(line: ResolvedLine, states: BoolArray) -> str:
+    """Return the key that a file lacks where nobody knows what load moves with the tyres' pull."""
+    if line.tyre is None:
+        return "tyre"
+    if line.vehicle is None:
+        return "vehicle"
+    bare = [
+        own.name
+        for own, so in zip(line.loadings, states.tolist(), strict=True)
+        if so and not own.load
+    ]
+    return f"vehicle.loads.{bare[0]}" if bare else "cg_height_mm"
