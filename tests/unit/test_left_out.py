@@ -145,6 +145,20 @@ def test_a_line_between_axles_is_told_what_turns_it_unevenly():
     assert f"in {main.demand.states[swings.argmax()]}," in note
 
 
+def test_a_limit_that_both_lines_together_would_break_is_told():
+    """Alone the inter-axle line swings by 25 rad/s² in windup brake, and the main one by 85."""
+    path = Path(__file__).parents[2] / "examples/tandem-6x4.yaml"
+    table = yaml.safe_load(path.read_text("utf-8"))
+    told = []
+    for most in (100, 120):
+        table["limits"] = [{"quantity": "torsional_acceleration", "maximum": most, "source": "us"}]
+        found = assess(files.loads(yaml.safe_dump(table)))
+        told.append([str(n) for n in found.noted if "where both swing alike" in str(n)])
+    assert told[0] == ["where both swing alike the pinion of line inter-axle has 109.9 rad/s² for "
+                       "25.1 in windup brake: fail"]  # fmt: skip
+    assert told[1] == []
+
+
 @pytest.mark.parametrize(
     ("value", "shown"),
     [

@@ -1,6 +1,7 @@
 """What a reader should know: where an application contradicts itself, what is assumed."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from cardan.model.vehicle import Linkage, Spring
 from cardan.quantity import points
 from cardan.quantity.quantities import QUANTITIES
 from cardan.quantity.response import Response
-from cardan.study.driveline import asked
+from cardan.study.driveline import Asked, asked
 
 MISMATCH = 0.005
 """Share by which stated rates may miss the loads of their table before it is worth a word."""
@@ -185,12 +186,7 @@ def _set_down(responses: Iterable[Response]) -> Iterator[Said]:
                 line=r.line.name,
             )
             continue
-        for hung, given in zip(*both, strict=True):
-            (before, _), (after, left) = (hung.limit.judged(one.values) for one in (hung, given))
-            turned = (before != after) & ~np.isnan(hung.values) & ~np.isnan(given.values)
-            if not turned.any():
-                continue
-            at = np.unravel_index(int(np.where(turned, left, np.inf).argmin()), left.shape)
+        for hung, given, at, grade in _regraded(*both):
             quantity = QUANTITIES[hung.limit.quantity]
             yield said(
                 "with the shafts twisted by torque and the bearings where it moves them on their "
@@ -200,11 +196,24 @@ def _set_down(responses: Iterable[Response]) -> Iterator[Said]:
                 part=hung.parts[at[1]],
                 line=r.line.name,
                 state=r.demand.states[at[0]],
-                grade=GRADES[after[at]],
+                grade=grade,
                 given=_figures(given.values[at] / quantity.factor),
                 hung=_figures(hung.values[at] / quantity.factor),
                 unit=quantity.unit_name,
             )
+
+
+def _regraded(
+    told: Iterable[Asked], otherwise: Iterable[Asked]
+) -> Iterator[tuple[Asked, Asked, tuple[int, int], str]]:
+    """Yield what limits would say otherwise: both answers, and where that leaves least, and so."""
+    for one, other in zip(told, otherwise, strict=True):
+        (before, _), (after, left) = (one.limit.judged(each.values) for each in (one, other))
+        turned = (before != after) & ~np.isnan(one.values) & ~np.isnan(other.values)
+        if turned.any():
+            least = int(np.where(turned, left, np.inf).argmin())
+            state, part = (int(k) for k in np.unravel_index(least, left.shape))
+            yield one, other, (state, part), GRADES[after[state, part]]
 
 
 def _travels(responses: Iterable[Response]) -> Iterator[tuple[Response, FloatArray]]:
@@ -297,6 +306,19 @@ def _uneven_ahead(responses: Sequence[Response]) -> Iterator[Said]:
                 line=r.line.name,
                 acceleration=_figures(float(swings[s])),
                 state=r.demand.states[s],
+            )
+        # How the yokes of both lines stand to each other is as the through-shaft was put in.
+        own = [*asked(r, quantities={"torsional_acceleration"})]
+        both = [replace(one, values=one.values + swings[:, None]) for one in own]
+        for alone, together, at, grade in _regraded(own, both):
+            yield said(
+                "where both swing alike the pinion of line {line} has {both} rad/s² for {alone} in "
+                "{state}: {grade}",
+                line=r.line.name,
+                both=_figures(together.values[at]),
+                alone=_figures(alone.values[at]),
+                state=r.demand.states[at[0]],
+                grade=grade,
             )
 
 
