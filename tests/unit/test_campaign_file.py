@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass, replace
+from functools import partial
 
 import jsonschema
 import numpy as np
@@ -10,8 +11,10 @@ from click.testing import CliRunner
 
 from cardan.base.errors import BadFile, DesignError
 from cardan.cli.main import cli
-from cardan.fatigue.damage import miner, more_in_turn
+from cardan.fatigue.crack import constant_shape, paris, repeats
+from cardan.fatigue.damage import in_turn, miner
 from cardan.fatigue.evidence import Evidence
+from cardan.fatigue.local import common
 from cardan.fatigue.rainflow import four_point, half_cycles, rainflow, repeating
 from cardan.fatigue.recording import alongside, between, in_memory
 from cardan.fatigue.strength import SNCurve
@@ -19,6 +22,7 @@ from cardan.files.campaign import read, schema
 from cardan.report.contract_schema import schema as described
 from cardan.report.language import EN, Language
 from cardan.report.life import under_way
+from cardan.study.otherwise import Strained, strained
 from cardan.study.recording import _crossed
 
 RATE = 500.0
@@ -248,6 +252,47 @@ def test_parts_of_a_mix_make_cycles_with_each_other(tmp_path):
     assert "damage_in_turn" not in levels(tmp_path, drives)[1]["gauges"][0]
 
 
+def test_cycles_between_parts_count_by_strain_for_a_crack_and_in_the_odds(tmp_path):
+    """Against the joined signal, laden after empty: its second passage, and all its cycles."""
+    pytest.importorskip("pyarrow")
+    empty, laden = signal(4, 60.0), signal(5, 60.0) + 250.0
+    table(tmp_path / "e.csv", **{"time": T, "S1 [MPa]": empty})
+    table(tmp_path / "f.csv", **{"time": T, "S1 [MPa]": laden})
+    drives = "{file: e.csv, times: 1000}, {file: f.csv, times: 1000}"
+    asks = (
+        "strain_life: [900, -0.09, 0.6, -0.6]\ncrack: [0.5, 10, 6.9e-12, 3]\n"
+        "residue: repeat\nservice_hours: 0.2\n"
+    )
+    _, found = levels(tmp_path, drives, asks)
+    contract = described()
+    jsonschema.validate(found, {**contract["$defs"]["campaign"], "$defs": contract["$defs"]})
+    by_itself, turned = found["otherwise"]["S1"], found["otherwise"]["S1"]["in_turn"]
+    joined = 1e6 * np.concatenate([empty, laden])
+    steel = common(
+        modulus=206e9, strength=900e6, exponent=-0.09, ductility=0.6, ductility_exponent=-0.6
+    )
+    ((damage, strain),) = strained(
+        lambda: [joined[None]], [np.abs(joined).max()], Strained(material=steel), rule=repeating
+    )
+    assert turned["strain_life"]["damage"] == pytest.approx(1000 * damage, rel=0.02)
+    assert turned["strain_life"]["largest_strain_amplitude"] == pytest.approx(strain, rel=1e-6)
+    assert 1000 * damage > 1.2 * by_itself["strain_life"]["damage"]
+    cycles = rainflow(joined / 1e6, rule=repeating)
+    grows = repeats(
+        start=0.5e-3, end=10e-3, cycles=cycles, law=partial(paris, C=6.9e-12, m=3.0),
+        shape=partial(constant_shape, Y=1.12),
+    )  # fmt: skip
+    assert turned["crack"]["repeats"] == pytest.approx(grows / 1000, rel=0.02)
+    assert by_itself["crack"]["repeats"] > 1.01 * turned["crack"]["repeats"]
+    # Lognormal damage at failure alone scatters, by 0.3.
+    passages = 0.2 / (2 * T.size / RATE / 3600)
+    beta = -np.log(passages * counted(empty, laden)) / np.sqrt(np.log(1 + 0.3**2))
+    assert turned["odds"]["beta"] == pytest.approx(beta, abs=0.02)
+    assert by_itself["odds"]["beta"] > beta + 0.3
+    told = " ".join(run("life", tmp_path / "l.yaml").output.split())
+    assert "S1, parts driven in turn: the crack grows to its end in" in told
+
+
 def test_what_parts_make_of_each_other_is_the_worst_that_can_be_driven():
     """Against rainflow of the joined signal in sixty orders, of parts of any level and swing."""
     rng = np.random.default_rng(1)
@@ -260,8 +305,8 @@ def test_what_parts_make_of_each_other_is_the_worst_that_can_be_driven():
         ]
         times = rng.integers(1, 5, size=many)
         residues = [four_point(p)[1] for p in parts]
-        found = more_in_turn(residues, times=list(map(float, times)), curve=curve)
-        found += sum(
+        order = in_turn(residues, times=list(map(float, times)), curve=curve)
+        found = miner(order.cycles, curve=curve) + sum(
             n * miner(rainflow(p, rule=repeating), curve=curve)
             for n, p in zip(times, parts, strict=True)
         )
@@ -277,12 +322,13 @@ def test_a_part_that_follows_itself_meets_its_own_end():
     up = 1e6 * (np.linspace(0, 100, 400) + 3 * np.random.default_rng(3).normal(size=400))
     residue = four_point(up)[1]
     by_itself = miner(rainflow(up, rule=half_cycles), curve=curve)
-    more = more_in_turn([residue], times=[100.0], curve=curve, rule=half_cycles)
+    order = in_turn([residue], times=[100.0], curve=curve, rule=half_cycles)
+    more = miner(order.cycles, curve=curve)
     joined = miner(rainflow(np.tile(up, 100), rule=half_cycles), curve=curve)
     assert 100 * by_itself + more == pytest.approx(joined, rel=0.02)
     assert joined > 1.9 * 100 * by_itself
     # Counted as it follows itself, nothing is left to add.
-    assert more_in_turn([residue], times=[100.0], curve=curve) == 0
+    assert miner(in_turn([residue], times=[100.0], curve=curve).cycles, curve=curve) == 0
 
 
 @pytest.mark.parametrize(("ramp", "kind"), [(2.0, "drift"), (0.0, "zero-step")])

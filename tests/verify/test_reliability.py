@@ -134,6 +134,15 @@ def test_second_order_of_a_parabola(beta, bend):
     assert abs(first.failure / exact - 1) > 4 * abs(second.failure / exact - 1)
 
 
+@pytest.mark.parametrize("beta", [50.0, -50.0])
+def test_second_order_of_what_never_or_always_fails(beta):
+    """Φ(-50) is 0 to a machine, and its ratio to φ(50) is not: that was a division by 0."""
+    both = (Normal(mean=0.0, deviation=1.0),) * 2
+    first = form(lambda x: beta - x[..., 0], both)
+    second = sorm(lambda x: beta - x[..., 0], both, around=first)
+    assert (first.beta, second.failure) == (pytest.approx(beta), 0.0 if beta > 0 else 1.0)
+
+
 def test_second_order_of_a_crack_is_nearer():
     first = form(crack_limit, CRACK)
     second = sorm(crack_limit, CRACK, around=first)

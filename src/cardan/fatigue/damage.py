@@ -88,16 +88,54 @@ def nearly(
         gate = may
 
 
-def more_in_turn(
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InTurn:
+    """Stretches that follow each other or themselves, again and again.
+
+    Attributes
+    ----------
+    residues : (k,) Pa each
+        Reversals that each stretch left open.
+    times
+        How often each is driven.
+    order
+        Which stretches follow each other, and how often they do.
+    rule
+        By which each was counted by itself.
+    """
+
+    residues: tuple[FloatArray, ...]
+    times: tuple[float, ...]
+    order: tuple[tuple[tuple[int, ...], float], ...]
+    rule: ResidueRule
+
+    def stress(self, which: tuple[int, ...]) -> FloatArray:
+        """Return what stretches left open, one after the other."""
+        return np.concatenate([self.residues[k] for k in which])
+
+    @property
+    def cycles(self) -> Cycles:
+        """What is closed beyond each stretch by itself.
+
+        Counts are below zero of what each had counted and something else has become of.
+        """
+        each = zip(self.residues, self.times, strict=True)
+        return join([
+            *(rainflow(self.stress(which), rule=repeating).repeated(n) for which, n in self.order),
+            *(rainflow(left, rule=self.rule).repeated(-n) for left, n in each),
+        ])  # fmt: skip
+
+
+def in_turn(
     residues: Sequence[FloatArray], *, times: Sequence[float], curve: SNCurve,
     correction: Correction = uncorrected, rule: ResidueRule = repeating,
-) -> float:  # fmt: skip
-    """Damage that stretches driven again and again do beyond each counted by itself.
+) -> InTurn:  # fmt: skip
+    """Return stretches in the order in which cycles between them do much damage.
 
     What closed within a stretch stays closed whatever is driven around it; tops of one that meet
     bottoms of another make cycles that no stretch has, and so does the end of one that meets its
     own beginning. Those two come first that make most of each other, as often as both are driven;
-    what is left of a stretch follows itself. It is of an order that can be driven, and no bound of
+    what is left of a stretch follows itself. It is an order that can be driven, and no bound of
     all.
 
     Parameters
@@ -110,20 +148,21 @@ def more_in_turn(
         By which each was counted; by the default it had followed itself already.
     """
 
-    def count(*which: int, by: ResidueRule = repeating) -> float:
-        legs = rainflow(np.concatenate([residues[k] for k in which]), rule=by)
+    def damage(*which: int) -> float:
+        legs = rainflow(np.concatenate([residues[k] for k in which]), rule=repeating)
         return miner(legs, curve=curve, correction=correction)
 
     each = range(len(residues))
-    alone = [count(k) for k in each]
-    more = {(i, j): count(i, j) - alone[i] - alone[j] for i, j in combinations(each, 2)}
-    left = list(times)
-    total = sum(n * (alone[k] - count(k, by=rule)) for k, n in enumerate(times))
+    alone = [damage(k) for k in each]
+    more = {(i, j): damage(i, j) - alone[i] - alone[j] for i, j in combinations(each, 2)}
+    left, order = list(times), list[tuple[tuple[int, ...], float]]()
     for (i, j), gain in sorted(more.items(), key=lambda of: -of[1]):
         often = min(left[i], left[j])
         if gain > 0 and often > 0:
-            left[i], left[j], total = left[i] - often, left[j] - often, total + often * gain
-    return total
+            left[i], left[j] = left[i] - often, left[j] - often
+            order.append(((i, j), often))
+    order += [((k,), n) for k, n in enumerate(left) if n > 0]
+    return InTurn(residues=tuple(residues), times=tuple(times), order=tuple(order), rule=rule)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -331,6 +331,8 @@ def sorm(limit: Limit, variables: Sequence[Variable], *, around: Form, h: float 
     NotConverged
         If the surface closes about the median faster than second order knows: sample instead.
     """
+    from scipy.special import erfcx
+
     u, n = around.u, around.u.size
     step = h * np.eye(n)
     ends = limit(_values(np.concatenate([u + step, u - step]), variables))
@@ -346,15 +348,15 @@ def sorm(limit: Limit, variables: Sequence[Variable], *, around: Form, h: float 
     hessian[one, other] = (bends[n - 1 :] - bends[one] - bends[other]) / 2
     curvatures = np.linalg.eigvalsh(hessian, UPLO="U") / float(np.linalg.norm(slope))
     side = 1.0 if around.beta >= 0 else -1.0
-    normal = NormalDist()
-    tail = normal.cdf(-abs(around.beta))
-    bend = 1 + normal.pdf(around.beta) / tail * side * curvatures
+    # ψ as Mills' ratio has it, which does not vanish with the chance itself.
+    mills = math.sqrt(2 / math.pi) / float(erfcx(abs(around.beta) / math.sqrt(2)))
+    bend = 1 + mills * side * curvatures
     if not (bend > 0).all():
         msg = (
             f"the surface of failure bends by {curvatures.min():.3g} where it is nearest: sample it"
         )
         raise NotConverged(msg)
-    share = tail / math.sqrt(float(np.prod(bend)))
+    share = NormalDist().cdf(-abs(around.beta)) / math.sqrt(float(np.prod(bend)))
     return Sorm(share if side > 0 else 1 - share, curvatures)
 
 

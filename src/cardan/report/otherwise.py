@@ -34,12 +34,25 @@ def document(of: Otherwise) -> dict[str, Any]:
             "sampled_error": None if odds.sampled is None else odds.sampled.error,
             "shares": {name: float(share) for name, share in odds.shares.items()},
         }
+    if of.in_turn is not None:
+        found["in_turn"] = document(of.in_turn)
     return found
+
+
+def _by_itself(of: Otherwise, say: Language) -> Iterator[tuple[str, Otherwise]]:
+    """Yield it and, of a mix, what it comes to with its parts driven in turn, by name."""
+    yield of.gauge, of
+    if of.in_turn is not None:
+        yield say("{gauge}, parts driven in turn", gauge=of.gauge), of.in_turn
 
 
 def lines(of: Otherwise, say: Language = EN) -> Iterator[str]:
     """Yield it as lines of text."""
+    for name, one in _by_itself(of, say):
+        yield from _lines(name, one, say)
 
+
+def _lines(gauge: str, of: Otherwise, say: Language) -> Iterator[str]:
     def long(hours: float) -> str:
         if math.isnan(hours):
             return say("not known")
@@ -49,12 +62,12 @@ def lines(of: Otherwise, say: Language = EN) -> Iterator[str]:
         yield say(
             "{gauge}: by its local strain, with memory, a crack is there after {hours} h: damage "
             "{damage} of the recording, strain amplitude up to {strain} %",
-            gauge=of.gauge, hours=long(of.strain_hours), damage=say.small(of.strain_damage, 4),
+            gauge=gauge, hours=long(of.strain_hours), damage=say.small(of.strain_damage, 4),
             strain=say.short(100 * of.strain, 3),
         )  # fmt: skip
     if of.growth is not None:
         yield say(
-            "{gauge}: the crack grows to its end in {hours} h", gauge=of.gauge,
+            "{gauge}: the crack grows to its end in {hours} h", gauge=gauge,
             hours=long(of.crack_hours),
         )  # fmt: skip
     odds = of.odds
@@ -63,13 +76,13 @@ def lines(of: Otherwise, say: Language = EN) -> Iterator[str]:
     if odds.first is None or odds.sampled is None:
         yield say(
             "{gauge}: odds of failure in {hours} h: no likeliest failure was found",
-            gauge=of.gauge, hours=say.short(odds.hours),
+            gauge=gauge, hours=say.short(odds.hours),
         )  # fmt: skip
         return
     yield say(
         "{gauge}: odds of failure in {hours} h: {first} by first order, {second} by second order, "
         "{sampled} ± {error} sampled (β {beta}); of the doubt, {shares}",
-        gauge=of.gauge, hours=say.short(odds.hours), first=say.small(odds.first.failure, 3),
+        gauge=gauge, hours=say.short(odds.hours), first=say.small(odds.first.failure, 3),
         second="-" if odds.second is None else say.small(odds.second.failure, 3),
         sampled=say.small(odds.sampled.failure, 3), error=say.small(odds.sampled.error, 2),
         beta=say.short(odds.first.beta, 3),
@@ -85,7 +98,7 @@ def blocks(of: Sequence[Otherwise], say: Language) -> Iterator[Block]:
         return
     rows = tuple(
         (
-            one.gauge,
+            name,
             *(
                 "-" if math.isnan(v) else say.short(v, 4) if math.isfinite(v) else say("no end")
                 for v in (one.strain_hours, one.crack_hours)
@@ -93,7 +106,7 @@ def blocks(of: Sequence[Otherwise], say: Language) -> Iterator[Block]:
             "-" if one.odds is None or one.odds.first is None
             else say.small((one.odds.second or one.odds.first).failure, 3),
         )
-        for one in of
+        for each in of for name, one in _by_itself(each, say)
     )  # fmt: skip
     yield Table(
         caption=say("Judged otherwise: by strain, by a crack, by odds"),

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Protocol
 
@@ -10,10 +10,10 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotConverged
-from cardan.base.units import MPa, hour
+from cardan.base.units import MPa, Pascal, hour
 from cardan.fatigue import crack
-from cardan.fatigue.damage import Life, miner
-from cardan.fatigue.life import GaugeLife, Plan
+from cardan.fatigue.damage import InTurn, Life, miner
+from cardan.fatigue.life import Plan
 from cardan.fatigue.local import Local, Loops, Material
 from cardan.fatigue.rainflow import Cycles, ResidueRule, half_cycles, repeating
 from cardan.fatigue.reliability import (
@@ -39,6 +39,15 @@ class Counted(Protocol):
     def life(self) -> Life:
         """Damage and what follows from it."""
         ...
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A gauge of a mix whose parts are driven in turn: its cycles then, and what they come to."""
+
+    cycles: Cycles
+    life: Life
+    order: InTurn
 
 
 DRAWS = 2000
@@ -121,6 +130,8 @@ class Otherwise:
         Passages of the recording or mix that grow the crack; infinite where it stops.
     duration : s
         The gauge was alive, of one passage.
+    in_turn
+        The same of a mix with its parts driven in turn; None where that says nothing else.
     """
 
     gauge: str
@@ -130,6 +141,7 @@ class Otherwise:
     strain: float = math.nan
     growth: float | None = None
     odds: Odds | None = None
+    in_turn: "Otherwise | None" = None
 
     @property
     def strain_hours(self) -> float:
@@ -147,20 +159,17 @@ class Otherwise:
 
 
 def strained(
-    pieces: Callable[[], Iterable[FloatArray]], lives: Sequence[GaugeLife], of: Strained, *,
+    pieces: Callable[[], Iterable[FloatArray]], largest: Sequence[Pascal], of: Strained, *,
     rule: ResidueRule,
 ) -> list[tuple[float, float]]:  # fmt: skip
     """Return damage and largest local strain amplitude of each gauge of a stress (gauges, n) Pa.
 
-    `pieces` yields it from the beginning at each call. What no loop closes counts by the rule:
-    as half loops, not at all, or where the route is driven again and again what its second passage
-    closes, whose memory is the first's.
+    `pieces` yields it from the beginning at each call; `largest` is how far each goes from zero.
+    What no loop closes counts by the rule: as half loops, not at all, or where the route is driven
+    again and again what its second passage closes, whose memory is the first's.
     """
-    followers = [
-        Local(of.material, largest=max(abs(one.low), abs(one.high)), notch=of.notch)
-        for one in lives
-    ]
-    damage, strain = np.zeros(len(lives)), np.zeros(len(lives))
+    followers = [Local(of.material, largest=size, notch=of.notch) for size in largest]
+    damage, strain = np.zeros(len(largest)), np.zeros(len(largest))
 
     def take(k: int, loops: Loops) -> None:
         damage[k] += loops.damage(of.material, law=of.law)
@@ -178,26 +187,60 @@ def strained(
     return [(float(d), float(s)) for d, s in zip(damage, strain, strict=True)]
 
 
+def strained_in_turn(of: Strained, order: InTurn) -> tuple[float, float]:
+    """Return the damage that an order does beyond its parts by themselves, and the largest strain.
+
+    By local strain, of what the parts left open; loops that closed within one stay as they were.
+    """
+    largest = max((float(np.abs(left).max(initial=0.0)) for left in order.residues), default=0.0)
+    if not largest > 0:
+        return 0.0, 0.0
+
+    def damage(stress: FloatArray, rule: ResidueRule) -> tuple[float, float]:
+        (found,) = strained(lambda: [stress[None]], [largest], of, rule=rule)
+        return found
+
+    whole = [(damage(order.stress(which), repeating), n) for which, n in order.order]
+    alone = [
+        (damage(left, order.rule), n) for left, n in zip(order.residues, order.times, strict=True)
+    ]
+    more = sum(d * n for (d, _), n in whole) - sum(d * n for (d, _), n in alone)
+    return more, max(strain for (_, strain), _ in whole)
+
+
 def mixed(
     one: Counted, parts: Sequence[tuple[Otherwise, float]], plan: Plan, *, gauge: str,
-    crack: Cracked | None, hours: float | None, miner_scatter: float,
+    turned: Turned | None, strained: Strained | None, crack: Cracked | None, hours: float | None,
+    miner_scatter: float,
 ) -> Otherwise:  # fmt: skip
     """Return the other answers of a gauge in a mix of recordings, each driven so many times.
 
     Damage by strain adds up, each recording beginning with a memory of nothing. A crack grows by
     the cycles of all in one, and odds are of those: what has to hold is the mix, and neither is
-    a mean of what each recording would come to by itself.
+    a mean of what each recording would come to by itself. The same is told of the mix driven in
+    turn, where that is given.
     """
-    damages = [p.strain_damage for p, _ in parts]
-    strained = [d for d in damages if d is not None]
-    return Otherwise(
-        gauge=gauge, duration=one.life.duration, allowed=plan.allowed,
-        strain_damage=sum(d * times for d, (_, times) in zip(strained, parts, strict=True))
-        if strained else None,
-        strain=max((p.strain for p, _ in parts), default=math.nan),
-        growth=None if crack is None else grown(one, crack),
-        odds=None if hours is None else odds(one, plan, hours=hours, miner_scatter=miner_scatter),
-    )  # fmt: skip
+
+    def judged(of: Counted, damage: float | None, strain: float) -> Otherwise:
+        return Otherwise(
+            gauge=gauge, duration=of.life.duration, allowed=plan.allowed,
+            strain_damage=damage, strain=strain,
+            growth=None if crack is None else grown(of, crack),
+            odds=None if hours is None else odds(
+                of, plan, hours=hours, miner_scatter=miner_scatter
+            ),
+        )  # fmt: skip
+
+    damage, strain = None, max((p.strain for p, _ in parts), default=math.nan)
+    if strained is not None:
+        damage = sum(p.strain_damage * n for p, n in parts if p.strain_damage is not None)
+    told = judged(one, damage, strain)
+    if turned is None:
+        return told
+    if strained is not None and damage is not None:
+        more, largest = strained_in_turn(strained, turned.order)
+        damage, strain = damage + more, max(strain, largest)
+    return replace(told, in_turn=judged(turned, damage, strain))
 
 
 def grown(one: Counted, of: Cracked) -> float:

@@ -30,7 +30,7 @@ from cardan.fatigue.beside import FOUR_CYLINDERS
 from cardan.fatigue.cause import FIRING, separation, suspects
 from cardan.fatigue.conditioning import Health, finer, slow_drift
 from cardan.fatigue.cuts import Cuts, order_cuts, windows
-from cardan.fatigue.damage import Life, more_in_turn
+from cardan.fatigue.damage import InTurn, Life, in_turn, miner
 from cardan.fatigue.evidence import GUILTY, INNOCENT, SPOILT, Evidence, together
 from cardan.fatigue.fault import DRIFT, ZERO_STEP
 from cardan.fatigue.life import Causes, GaugeLife, Plan
@@ -49,7 +49,7 @@ from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import ASKED, NAME, TURN, Campaign, Misread, keyed, numbers
 from cardan.study.finding import Finding, Tell, silent
 from cardan.study.identification import COUNTED, Identification, identify
-from cardan.study.otherwise import Otherwise, grown, mixed, odds, strained
+from cardan.study.otherwise import Otherwise, Turned, grown, mixed, odds, strained
 from cardan.study.promise import Promised, bearing_history, promised
 from cardan.study.usage import Used, used
 
@@ -314,6 +314,8 @@ class Mixed:
         What each recording did to it, and how often that is driven in the mix.
     between
         Damage of cycles from one part to another, were they driven in turn again and again.
+    order
+        How they follow each other then; None where that is not asked.
     hidden
         Kinds of fault for which a recording would have no answer whole, and of which its segments
         show nothing: their levels decide, and nobody said whether the part felt that.
@@ -322,6 +324,7 @@ class Mixed:
     name: str
     parts: tuple[tuple[GaugeLife, float], ...]
     between: float = 0.0
+    order: InTurn | None = None
     hidden: tuple[str, ...] = ()
 
     @property
@@ -342,6 +345,13 @@ class Mixed:
         if not self.between > BETWEEN * self.life.damage:
             return None
         return replace(self.life, damage=self.life.damage + self.between)
+
+    @property
+    def turned(self) -> Turned | None:
+        """The same with its cycles; None where it says nothing else."""
+        if self.in_turn is None or self.order is None:
+            return None
+        return Turned(join([self.cycles, self.order.cycles]), self.in_turn, self.order)
 
     @property
     def cycles(self) -> Cycles:
@@ -584,21 +594,24 @@ def _mixed(one: Mixed, drives: Sequence[_Driven], plan: Plan) -> Mixed:
     """Return a gauge of a mix with what happens between its parts."""
     if not one.heard:
         return one
+    # What is left out of the count by choice is not put back here.
+    rule = repeating if plan.rule is discarded else plan.rule
 
-    def gained(parts: Sequence[tuple[GaugeLife, float]], rule: ResidueRule = repeating) -> float:
-        return more_in_turn(
+    def gained(parts: Sequence[tuple[GaugeLife, float]], rule: ResidueRule) -> tuple[InTurn, float]:
+        order = in_turn(
             [life.residue for life, _ in parts], times=[times for _, times in parts],
             curve=plan.curve, correction=plan.correction, rule=rule,
         )  # fmt: skip
+        return order, miner(order.cycles, curve=plan.curve, correction=plan.correction)
 
     hidden, place = list[str](), 0
     for drive in drives:
         own = one.parts[place : (place := place + len(drive.segments))]
-        if gained(own) > VETO * sum(times * life.life.damage for life, times in own):
+        _, more = gained(own, repeating)
+        if more > VETO * sum(times * life.life.damage for life, times in own):
             hidden += drive.hides(tuple(own[0][0].health))
-    # What is left out of the count by choice is not put back here.
-    rule = repeating if plan.rule is discarded else plan.rule
-    return replace(one, between=gained(one.parts, rule), hidden=tuple(dict.fromkeys(hidden)))
+    order, between = gained(one.parts, rule)
+    return replace(one, between=between, order=order, hidden=tuple(dict.fromkeys(hidden)))
 
 
 def _customers(of: Mix) -> tuple[list[Customer], list[Mixed]]:
@@ -704,8 +717,9 @@ def _mixed_otherwise(
         if all(one.name in of for of in told):
             yield mixed(
                 one, [(of[one.name], times) for of, (_, times, _) in zip(told, parts, strict=True)],
-                parts[0][2].plan, gauge=one.name, crack=campaign.cracked,
-                hours=campaign.service_hours, miner_scatter=campaign.miner_scatter,
+                parts[0][2].plan, gauge=one.name, turned=one.turned, strained=campaign.strained,
+                crack=campaign.cracked, hours=campaign.service_hours,
+                miner_scatter=campaign.miner_scatter,
             )  # fmt: skip
 
 
@@ -1053,7 +1067,8 @@ def _otherwise(
             )  # fmt: skip
             return finer(stress) if sharp else stress
 
-        strains = strained(pieces, own, by_strain, rule=plan.rule)
+        largest = [max(abs(one.low), abs(one.high)) for one in own]
+        strains = strained(pieces, largest, by_strain, rule=plan.rule)
     return tuple(
         Otherwise(
             gauge=one.name, duration=one.life.duration, allowed=plan.allowed,
