@@ -3,8 +3,12 @@
 By the frame of METHOD: x rearward, y to the right, z up; slopes down to the rear positive.
 """
 
+from math import cos, radians, sin
+from pathlib import Path
+
 import numpy as np
 import pytest
+import yaml
 
 from cardan import files
 from cardan.base.units import deg, mm
@@ -17,8 +21,9 @@ from cardan.report.language import EN
 from cardan.report.wording import moves_that_help
 from cardan.study.approval import assess
 from cardan.study.fix import fix
-from cardan.study.moves import Move, tried
+from cardan.study.moves import Move, adjustables, corrected, tried
 from cardan.study.sensitivity import sensitivities
+from cardan.study.sweep import Bench, variants_of
 
 CHAIN = """
 title: Three shafts
@@ -167,3 +172,73 @@ def test_without_adjust_a_workshop_moves_what_the_docs_say(line):
         assert (a.low, a.high, a.step) == pytest.approx((-30 * mm, 30 * mm, 5 * mm))
     a = free["shim_deg"]
     assert (a.low, a.high, a.step) == pytest.approx((-3 * deg, 3 * deg, 0.5 * deg))
+
+
+TANDEM = Path(__file__).parents[2] / "examples/tandem-6x4.yaml"
+
+
+def shimmed_by_hand(turn):
+    """The tandem's file with its forward axle turned, the pinion's nose up by so many degrees."""
+    table = yaml.safe_load(TANDEM.read_text("utf-8"))
+    main, between = (table["drivelines"][name] for name in ("main", "inter-axle"))
+
+    def swung(back, up):
+        c, s = cos(radians(turn)), sin(radians(turn))
+        return back * c + up * s, up * c - back * s
+
+    pinion = main["axle"]["pinion"]
+    x, z = -pinion["ahead_mm"], pinion["above_mm"]
+    x2, z2 = swung(x, z)
+    main["axle"]["pinion"] = {"ahead_mm": -x2, "above_mm": z2}
+    end = main["points_mm"][-1]
+    main["points_mm"][-1] = [end[0] + x2 - x, end[1], end[2] + z2 - z]
+    main["pinion_slope"]["side_deg"] += turn
+    x, z = between["output_joint"]["behind_mm"], between["output_joint"]["above_mm"]
+    x2, z2 = swung(x, z)
+    between["output_joint"] = {"behind_mm": x2, "above_mm": z2}
+    between["points_mm"][0] = [x2 - x, 0, z2 - z]
+    between["gearbox_slope"]["side_deg"] += turn
+    return files.loads(yaml.safe_dump(table, sort_keys=False))
+
+
+@pytest.mark.parametrize("turn", [1.0, -1.5])
+def test_a_shim_of_the_forward_axle_turns_the_line_that_leaves_it(turn):
+    """The through-shaft turns with the axle, and joint 1 swings about its wheels."""
+    tandem = files.read(TANDEM)
+    main, between = assess(tandem).responses
+    shim = next(a for a in adjustables(main) if a.what == "shim")
+    by_hand = assess(shimmed_by_hand(turn)).responses
+    told = [
+        assess(corrected(main, (shim,), np.array([turn * deg]))).responses,
+        [tried(r, (shim,), np.array([turn * deg])) for r in (main, between)],
+        [tried(r, (shim,), np.array([[0.0], [turn * deg]])) for r in (main, between)],
+    ]
+    for responses in told:
+        for one, true in zip(responses, by_hand, strict=True):
+            angles = np.broadcast_to(one.angles, (2, *true.angles.shape))[1]
+            np.testing.assert_allclose(angles, true.angles, atol=1e-9)
+    assert np.abs(by_hand[1].angles - between.angles).max() > 0.8 * abs(turn) * deg
+
+
+def test_what_a_shim_spoils_of_the_line_that_leaves_its_axle_is_told():
+    """Nose up 1 deg takes 192 N off the bearing, and of the inter-axle joint's angle too much."""
+    found = sensitivities(assess(files.read(TANDEM)), line="main")
+    told = " ".join(said for one in found for said in moves_that_help(one, EN))
+    assert "pinion nose up 1 deg gives 2225, but then fail: inter-axle: Smallest joint" in told
+
+
+def test_a_study_of_the_forward_axles_shim_asks_both_lines():
+    bench = Bench.of(files.read(TANDEM), variants_of({"main.shim_deg": {"grid": [0, 1, 2]}}))
+    least = next(
+        k for k, (line, limit) in enumerate(bench.limits)
+        if (line, limit.quantity) == ("inter-axle", "joint_angle_min")
+    )  # fmt: skip
+    told = bench.ask(np.array([[0.0], [1.0]])).values[least]
+    true = [
+        min(
+            c.value for c in assess(shimmed_by_hand(turn)).checks
+            if (c.line, c.quantity) == ("inter-axle", "joint_angle_min")
+        )
+        for turn in (0.0, 1.0)
+    ]  # fmt: skip
+    np.testing.assert_allclose(told, true, rtol=1e-6)

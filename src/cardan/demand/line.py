@@ -197,13 +197,12 @@ def _largest_share(application: Application, installed: Installed) -> float:
     one lets no side have more than it has of what the other slips with.
     """
     usual, between = _usual_share(installed), application.inter_axle
-    if between is None or not between.locked or installed.output_joint is None:
+    if between is None or not between.locked:
         return usual
     return np.maximum.reduce([
         usual,
         *(
-            _usual_share(ahead) for ahead in application.lines
-            if ahead.output_joint is None and ahead.drives == installed.drives
+            _usual_share(ahead) for ahead in application.lines if installed.leaves(ahead)
         ),
     ])  # fmt: skip
 

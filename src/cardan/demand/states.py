@@ -227,7 +227,13 @@ class Demand:
         """The speed with its sign, (..., S) rad/s."""
         return self.sense * self.speed
 
-    def corrected(self, *, bearing_shift: ArrayLike = 0.0, shim: ArrayLike = 0.0) -> Layout:
+    def corrected(
+        self,
+        *,
+        bearing_shift: ArrayLike = 0.0,
+        shim: ArrayLike = 0.0,
+        shim_ahead: ArrayLike = 0.0,
+    ) -> Layout:
         """Return the layout in every state with bearings moved and the pinion shimmed.
 
         Parameters
@@ -237,6 +243,8 @@ class Demand:
             V variants alike in every state are (V, 1, n-2, 3).
         shim : (...) rad
             Turn of the axle on its springs, the pinion's nose rising; (V, 1) for variants.
+        shim_ahead : (...) rad
+            The same of the axle that the line leaves, if it leaves one.
 
         Returns
         -------
@@ -244,8 +252,9 @@ class Demand:
             (..., S, n, 3).
         """
         return _ridden(
-            self.given, self.installed, self.ride, bearing_shift=bearing_shift, shim=shim
-        )
+            self.given, self.installed, self.ride, bearing_shift=bearing_shift, shim=shim,
+            shim_ahead=shim_ahead,
+        )  # fmt: skip
 
 
 def demand(line: ResolvedLine) -> Demand:
@@ -834,9 +843,13 @@ def _ridden(
     *,
     bearing_shift: ArrayLike = 0.0,
     shim: ArrayLike = 0.0,
+    shim_ahead: ArrayLike = 0.0,
 ) -> Layout:
     """Layout with its axle ridden and, where joint 1 leaves an axle, that one likewise."""
-    first = installed.output_joint
+    first: Ride | None = None
+    if (joint := installed.output_joint) is not None:
+        first = ride.ahead(stacked((joint[0], 0.0, joint[1])))
+        first = replace(first, pitch=np.asarray(first.pitch) + np.asarray(shim_ahead))
     return moved(
         given,
         installed.line,
@@ -844,5 +857,5 @@ def _ridden(
         last_shift=ride.shift,
         pinion_pitch=np.asarray(ride.pitch) + np.asarray(shim),
         pinion_arm=ride.arm,
-        first=None if first is None else ride.ahead(stacked((first[0], 0.0, first[1]))),
+        first=first,
     )

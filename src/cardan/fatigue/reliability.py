@@ -28,6 +28,11 @@ NEVER = 38.0
 """Standard deviations beyond which a chance is below the smallest number there is."""
 
 
+def _beyond(beta: float) -> float:
+    """Return Φ(-β), where 1 - Φ(β) is 0 to a machine too."""
+    return 0.5 * math.erfc(beta / math.sqrt(2))
+
+
 class Variable(Protocol):
     """A scattered quantity: its value (...) where a standard normal number is u (...)."""
 
@@ -124,7 +129,7 @@ class Form:
     @property
     def failure(self) -> float:
         """Probability of failure Φ(-β)."""
-        return NormalDist().cdf(-self.beta)
+        return _beyond(self.beta)
 
 
 def form(
@@ -348,15 +353,14 @@ def sorm(limit: Limit, variables: Sequence[Variable], *, around: Form, h: float 
     hessian[one, other] = (bends[n - 1 :] - bends[one] - bends[other]) / 2
     curvatures = np.linalg.eigvalsh(hessian, UPLO="U") / float(np.linalg.norm(slope))
     side = 1.0 if around.beta >= 0 else -1.0
-    # ψ as Mills' ratio has it, which does not vanish with the chance itself.
-    mills = math.sqrt(2 / math.pi) / float(erfcx(abs(around.beta) / math.sqrt(2)))
-    bend = 1 + mills * side * curvatures
+    ratio = math.sqrt(2 / math.pi) / float(erfcx(abs(around.beta) / math.sqrt(2)))
+    bend = 1 + ratio * side * curvatures
     if not (bend > 0).all():
         msg = (
             f"the surface of failure bends by {curvatures.min():.3g} where it is nearest: sample it"
         )
         raise NotConverged(msg)
-    share = NormalDist().cdf(-abs(around.beta)) / math.sqrt(float(np.prod(bend)))
+    share = _beyond(abs(around.beta)) / math.sqrt(float(np.prod(bend)))
     return Sorm(share if side > 0 else 1 - share, curvatures)
 
 

@@ -209,6 +209,11 @@ class Installed:
         """Whether torque flows forward: then the axle's pinion faces rearward."""
         return (self.runs or ("forward" if self.drives == "front" else "rearward")) == "forward"
 
+    def leaves(self, other: "Installed") -> bool:
+        """Whether this line starts at the axle that another ends at."""
+        ends = other.output_joint is None and other.drives == self.drives
+        return self.output_joint is not None and ends
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Surroundings:

@@ -27,6 +27,8 @@ class Moved:
         Of each centre bearing.
     shim : (V, 1) rad
         Turn of the axle on its springs, the pinion's nose rising.
+    shim_ahead : (V, 1) rad
+        The same of the axle that the line leaves, if it leaves one.
     phases : (V, 1, n-1) rad
         Yoke phases added to those installed.
     stiffer : (V, 1) 1
@@ -39,6 +41,7 @@ class Moved:
 
     bearing_shift: FloatArray
     shim: FloatArray
+    shim_ahead: FloatArray
     phases: FloatArray
     stiffer: FloatArray
     lossier: FloatArray
@@ -51,6 +54,7 @@ class Moved:
         return cls(
             bearing_shift=np.zeros((variants, 1, joints - 2, 3)),
             shim=np.zeros((variants, 1)),
+            shim_ahead=np.zeros((variants, 1)),
             phases=np.zeros((variants, 1, joints - 1)),
             stiffer=np.zeros((variants, 1)),
             lossier=np.zeros((variants, 1)),

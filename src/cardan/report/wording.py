@@ -317,8 +317,10 @@ def _effect(one: Sensitivity, e: Effect, say: Language) -> str:
 
 def spoils(e: Effect, say: Language) -> str:
     """Return the worst of what a move spoils; "" where that is nothing."""
-    c = e.spoilt
-    return say("but then {grade}: {check}", grade=say(c.grade), check=sentence(c, say)) if c else ""
+    if (c := e.spoilt) is None:
+        return ""
+    told = sentence(c, say) if c.line == e.adjustable.line else f"{c.line}: {sentence(c, say)}"
+    return say("but then {grade}: {check}", grade=say(c.grade), check=told)
 
 
 def unanswered(of: Approval, say: Language, *, required: bool = False) -> list[str]:

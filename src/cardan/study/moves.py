@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from cardan.base.arrays import FloatArray, apart, stacked
 from cardan.base.frozen import dataclass
+from cardan.base.units import Metre, Radian
 from cardan.demand.motion import Ride, moved
 from cardan.demand.states import Demand, demand, resolve
 from cardan.loads.rubber import LOSS
@@ -86,16 +88,18 @@ def in_states(response: Response, states: Sequence[int]) -> Response:
 def tried(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray) -> Response:
     """Return the response of a line with each thing moved by its amount, (V, movable) SI.
 
+    Those are the line's own, or the shim of an axle that it leaves (`acts_on`).
     Of one variant, (movable,), it has no axis of variants.
     """
     by = _by(response, movable, np.atleast_2d(amounts))
     shift, shim, phases = apart(by.bearing_shift, of=2), by.shim, apart(by.phases)
+    ahead = by.shim_ahead
     if amounts.ndim == 1:
-        shift, shim, phases = shift[0], shim[0], phases[0]
+        shift, shim, ahead, phases = shift[0], shim[0], ahead[0], phases[0]
     response = _refitted(response, by)
 
     def lay(demand: Demand) -> Layout:
-        return demand.corrected(bearing_shift=shift, shim=shim)
+        return demand.corrected(bearing_shift=shift, shim=shim, shim_ahead=ahead)
 
     return respond(
         response.application,
@@ -110,23 +114,22 @@ def corrected(
 ) -> Application:
     """Return the application with things of a line moved by these amounts (movable), SI.
 
-    Its layouts, yoke phases and pinion are as a file would say them after the correction, for
-    studies that ask the application anew. Not so its spline: what travel is left in one
-    counts from where the line was first installed, and the driveline's own answer is `tried`.
+    Its layouts, yoke phases and pinion are as a file would say them after the correction, and so
+    is where a line begins that leaves a shimmed axle, for studies that ask the application anew.
+    Not so its spline: what travel is left in one counts from where the line was first installed,
+    and the driveline's own answer is `tried`.
     """
     by = _by(response, movable, amounts[None])
     shift, shim = by.bearing_shift[0, 0], float(by.shim[0, 0])
     response = _refitted(response, by)
     application, installed = response.application, response.demand.installed
     axle, line = installed.axle, installed.line
-    x, z = axle.pinion_joint if axle else (0.0, 0.0)
-    arm = np.array([x, 0.0, z])
+    arm = _arm(axle.pinion_joint if axle else (0.0, 0.0))
 
     def after(layout: Layout) -> Layout:
         return moved(layout, line, bearing_shift=shift, pinion_pitch=shim, pinion_arm=arm)
 
     layout = after(installed.layout)
-    turned, _, raised = Ride(pitch=shim).carried(arm, arm)[1].tolist()
     shafts = [
         replace(s, phase=s.phase + float(turn))
         for s, turn in zip(line.shafts, by.phases[0, 0], strict=True)
@@ -136,18 +139,41 @@ def corrected(
         installed,
         line=replace(line, shafts=tuple(shafts)),
         layout=layout,
-        axle=axle and replace(axle, pinion_joint=(turned, raised)),
+        axle=axle and replace(axle, pinion_joint=_pitched(axle.pinion_joint, shim)),
     )
+    laid = {line.name: after}
+    lines = [new if i is installed else i for i in application.lines]
+    for k, other in enumerate(application.lines):
+        if (joint := other.output_joint) is not None and other.leaves(installed):
+            first = Ride(pitch=shim, arm=_arm(joint))
+            laid[other.line.name] = partial(moved, line=other.line, first=first)
+            lines[k] = replace(
+                other,
+                layout=laid[other.line.name](other.layout),
+                output_joint=_pitched(joint, shim),
+            )
     return replace(
         application,
-        lines=tuple(new if i is installed else i for i in application.lines),
+        lines=tuple(lines),
         states=tuple(
-            replace(s, layouts={n: after(o) if n == line.name else o for n, o in s.layouts.items()})
+            replace(s, layouts={n: laid[n](o) if n in laid else o for n, o in s.layouts.items()})
             if s.layouts
             else s
             for s in application.states
         ),
     )
+
+
+def _arm(joint: tuple[Metre, Metre]) -> FloatArray:
+    """Return a joint that an axle carries, (x, z) from its wheels, as (3,) m."""
+    return np.array([joint[0], 0.0, joint[1]])
+
+
+def _pitched(joint: tuple[Metre, Metre], pitch: Radian) -> tuple[Metre, Metre]:
+    """Return where such a joint is from the wheels as the axle has turned."""
+    arm = _arm(joint)
+    x, _, z = Ride(pitch=pitch, arm=arm).carried(arm, arm)[1].tolist()
+    return x, z
 
 
 def _refitted(response: Response, by: Moved) -> Response:
@@ -185,5 +211,29 @@ def _by(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray
     """Return how far things of a line move with amounts (V, movable)."""
     by = Moved.still(response.line, variants=len(amounts))
     for adjustable, amount in zip(movable, amounts.T, strict=True):
-        MOVABLES[adjustable.what].move(by, adjustable.part, amount)
+        if adjustable.line in _ahead(response):
+            by.shim_ahead[:, 0] = amount
+        else:
+            MOVABLES[adjustable.what].move(by, adjustable.part, amount)
     return by
+
+
+def _ahead(response: Response) -> set[str]:
+    """Return the lines that end at the axle which a line leaves; none where the frame holds it."""
+    installed = response.demand.installed
+    return {i.line.name for i in response.application.lines if installed.leaves(i)}
+
+
+def acts_on(response: Response, adjustable: Adjustable) -> bool:
+    """Return whether a line is otherwise where something is moved: of it, or of the axle ahead."""
+    shims = adjustable.what == "shim" and adjustable.line in _ahead(response)
+    return shims or adjustable.line == response.line.name
+
+
+def behind(response: Response) -> tuple[Response, ...]:
+    """Return the lines that leave the axle of this one, which turn with its shim."""
+    application = response.application
+    return tuple(
+        respond(application, demand(resolve(application, i)))
+        for i in application.lines if i.leaves(response.demand.installed)
+    )  # fmt: skip

@@ -295,7 +295,7 @@ def _uneven_ahead(responses: Sequence[Response]) -> Iterator[Said]:
         values = [
             np.nan_to_num(uneven.values(o)).max(axis=-1)
             for o in responses
-            if o.demand.installed.output_joint is None and o.demand.installed.drives == own.drives
+            if own.leaves(o.demand.installed)
         ]
         swings = np.max([np.zeros(len(r.demand.states)), *values], axis=0)
         if swings.any():

@@ -14,7 +14,7 @@ from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.study.approval import Approval
 from cardan.study.driveline import Asked, asked, check
-from cardan.study.moves import Move, adjustables, fitted, in_states, tried
+from cardan.study.moves import Move, adjustables, behind, fitted, in_states, tried
 
 ON_RUBBER = {key for key, quantity in ANSWERED.items() if quantity.on_rubber}
 """What other mounts answer."""
@@ -238,16 +238,20 @@ def _made(response: Response, moves: Sequence[Move]) -> Response:
 def _spoilt(response: Response, moves: Sequence[Move], made: Response) -> dict[Move, Check]:
     """Return the worst check of each move that spoils what a line keeps as it stands.
 
-    A limit of a part is spoilt that warns or fails in some state, and was not as bad in any.
+    Or what one keeps that leaves its axle, which a shim turns. A limit of a part is spoilt that
+    warns or fails in some state, and was not as bad in any.
     """
     found: dict[Move, Check] = {}
-    for now, then in zip(asked(response), asked(made), strict=True):
-        values = np.broadcast_to(then.values, (len(moves), *now.values.shape))
-        worse = _worst_grades(then, values) > _worst_grades(now, now.values)
-        for k, p in np.argwhere(worse).tolist():
-            one, move = replace(then, values=values[k], spots=None), moves[k]
-            checks = (check(response, one, s, p) for s in range(values.shape[1]))
-            found[move] = min((c for c in (found.get(move), *checks) if c), key=badness)
+    shims = [m for m in moves if m.adjustable.what == "shim"]
+    turned = [(r, _made(r, shims), shims) for r in behind(response)] if shims else []
+    for line, after, of in [(response, made, moves), *turned]:
+        for now, then in zip(asked(line), asked(after), strict=True):
+            values = np.broadcast_to(then.values, (len(of), *now.values.shape))
+            worse = _worst_grades(then, values) > _worst_grades(now, now.values)
+            for k, p in np.argwhere(worse).tolist():
+                one, move = replace(then, values=values[k], spots=None), of[k]
+                checks = (check(line, one, s, p) for s in range(values.shape[1]))
+                found[move] = min((c for c in (found.get(move), *checks) if c), key=badness)
     return found
 
 

@@ -29,7 +29,7 @@ from cardan.study.approval import Approval, assess
 from cardan.study.draw import Drawing, Points, drawing
 from cardan.study.driveline import Asked, asked
 from cardan.study.finding import DRIVELINE, Tell, silent
-from cardan.study.moves import tried
+from cardan.study.moves import acts_on, tried
 
 CHUNK = 128
 """Variants at a time: fewer pay more for each step, more of them leave the processor's cache."""
@@ -493,7 +493,7 @@ class Bench:
         found: list[Answers] = []
         for response in self._responses(numbers):
             mine = [k for k, n in enumerate(self.drawing.names) if n in moves
-                    and moves[n].line == response.line.name]  # fmt: skip
+                    and acts_on(response, moves[n])]  # fmt: skip
             if mine:
                 parts = tuple(moves[self.drawing.names[k]] for k in mine)
                 worth = np.array([MOVABLES[p.what].worth for p in parts])
