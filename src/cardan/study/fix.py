@@ -25,7 +25,7 @@ from cardan.study.approval import Approval, approve, default_studies
 from cardan.study.driveline import DrivelineStudy, checks_of, unanswered_of
 from cardan.study.finding import DRIVELINE, Finding, Tell, silent
 from cardan.study.margins import BOUNDS, Bound, both, margins
-from cardan.study.moves import Move, adjustables, corrected, tried
+from cardan.study.moves import Move, adjustables, corrected, tried, turned
 from cardan.study.robust import CLASSES, Survival, Trucks
 
 RESERVE = 0.02
@@ -152,7 +152,7 @@ class _Trial:
 
     movable: tuple[Adjustable, ...]
     amounts: tuple[float, ...]
-    response: Response
+    responses: tuple[Response, ...]
     margin: float
 
     @property
@@ -173,9 +173,9 @@ class _Trial:
 
     @cached_property
     def verdict(self) -> Verdict:
-        """What its line comes to."""
-        found: list[Verdict] = [c.grade for c in checks_of(self.response)]
-        missed = any(u.limit.required for u in unanswered_of(self.response))
+        """What its line comes to, and those that leave its axle."""
+        found: list[Verdict] = [c.grade for r in self.responses for c in checks_of(r)]
+        missed = any(u.limit.required for r in self.responses for u in unanswered_of(r))
         return worst([*found, "incomplete"] if missed else found)
 
 
@@ -189,12 +189,11 @@ class _Corrected(DrivelineStudy):
         """Ask every line."""
         del tell
         assert self.trial is not None
-        mine = self.trial.response
+        tried = {r.line.name: r for r in self.trial.responses}
         responses = tuple(
-            mine if i.line.name == mine.line.name
-            else respond(application, demand(resolve(application, i)))
+            tried.get(i.line.name) or respond(application, demand(resolve(application, i)))
             for i in application.lines
-        )  # fmt: skip
+        )
         return Finding(
             study=DRIVELINE,
             answer=responses,
@@ -205,14 +204,14 @@ class _Corrected(DrivelineStudy):
 
 @dataclass(frozen=True)
 class _Search:
-    """The margins of one line as a function of where its ways stand, from -1 to 1.
+    """The margins of a line, and of those that leave its axle, over where its ways stand, -1 to 1.
 
     Yokes are turned by fixed amounts `turns` (movable); of the stepless ways those named in
     `free` move in proportion, the others stay at 0. `changed` tells the margins that moving
     can change at all from those it is not for moving to answer.
     """
 
-    response: Response
+    lines: tuple[Response, ...]
     movable: tuple[Adjustable, ...]
     turns: FloatArray
     free: tuple[int, ...]
@@ -258,12 +257,12 @@ class _Search:
 
     def margins(self, positions: FloatArray, *, to: Bound) -> FloatArray:
         """Return the margins (V, ...) that moving changes."""
-        response = tried(self.response, self.movable, self.amounts(positions))
-        return margins(response, to=to)[:, self.changed]
+        responses = _tried(self.lines, self.movable, self.amounts(positions))
+        return margins(*responses, to=to)[:, self.changed]
 
     def asked(self, amounts: FloatArray) -> dict[Bound, FloatArray]:
         """Return the margins (V, ...) that moving changes, to either bound."""
-        found = both(tried(self.response, self.movable, amounts))
+        found = both(*_tried(self.lines, self.movable, amounts))
         return {bound: values[:, self.changed] for bound, values in found.items()}
 
     def settable(self, position: FloatArray, *, to: Bound, cheap: bool = False) -> FloatArray:
@@ -593,26 +592,27 @@ def _trials(
     The line as installed is the first; nothing where no move changes anything.
     """
     ways = _ways(movable)
+    lines = turned(response, movable)
     turnings = list(_turnings(response, movable))
-    everything = _Search(response, movable, turnings[0], ways, np.array([], dtype=bool))
+    everything = _Search(lines, movable, turnings[0], ways, np.array([], dtype=bool))
     spread = everything.amounts(_spread(len(ways)))
     trials = np.concatenate([spread, np.stack(turnings)])
-    asked = both(tried(response, movable, trials))
+    asked = both(*_tried(lines, movable, trials))
     changed = _changed(asked)
     if not changed.any():
         return
     for k, turns in enumerate(turnings):
         if tell:
             tell(k, len(turnings))
-        yield _trial(response, movable, turns, changed)
+        yield _trial(lines, movable, turns, changed)
         alone = [] if turns.any() or len(ways) < 2 else [(k,) for k in ways]
         for free in [*alone, *([ways] if ways else [])]:
             known: dict[Bound, FloatArray] | None = None
             if k == 0 and free == ways:
                 known = {b: v[: len(spread), changed] for b, v in asked.items()}
-            search = _Search(response, movable, turns, free, changed, trucks, known)
+            search = _Search(lines, movable, turns, free, changed, trucks, known)
             for amounts in _corrections(search):
-                yield _trial(response, movable, amounts, changed)
+                yield _trial(lines, movable, amounts, changed)
 
 
 def _glance(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[_Trial]:
@@ -620,20 +620,21 @@ def _glance(response: Response, movable: tuple[Adjustable, ...]) -> Iterator[_Tr
 
     For who waits for an answer: nothing where no move changes anything.
     """
+    lines = turned(response, movable)
     turnings = np.stack(list(_turnings(response, movable)))
-    search = _Search(response, movable, turnings[0], _ways(movable), np.array([], dtype=bool))
+    search = _Search(lines, movable, turnings[0], _ways(movable), np.array([], dtype=bool))
     few = search.amounts(_spread(len(search.free))[:GLANCE])
     steps = np.array([a.step for a in movable])
     whole = np.where(steps > 0, steps, 1.0)
     few = np.where(steps > 0, np.trunc(few / whole) * whole, few)  # towards 0: within the range
     trials = np.concatenate([few, turnings[1:]])
-    asked = both(tried(response, movable, trials))
+    asked = both(*_tried(lines, movable, trials))
     changed = _changed(asked)
     if changed.any():
-        yield _trial(response, movable, turnings[0], changed)
+        yield _trial(lines, movable, turnings[0], changed)
         best = replace(search, changed=changed).exhausted(trials, _some(asked, np.s_[:, changed]))
         once = {tuple(amounts.tolist()): amounts for amounts in best}.values()
-        yield min((_trial(response, movable, a, changed) for a in once), key=lambda t: t.gain)
+        yield min((_trial(lines, movable, a, changed) for a in once), key=lambda t: t.gain)
 
 
 def _ways(movable: tuple[Adjustable, ...]) -> tuple[int, ...]:
@@ -701,16 +702,26 @@ def _ends(response: Response, adjustable: Adjustable) -> list[float]:
     return [bound - installed for bound in (adjustable.low, adjustable.high)]
 
 
+def _tried(
+    lines: tuple[Response, ...], movable: tuple[Adjustable, ...], amounts: FloatArray
+) -> tuple[Response, ...]:
+    """Return lines with things moved by amounts (V, movable), or (movable,)."""
+    return tuple(tried(line, movable, amounts) for line in lines)
+
+
 def _trial(
-    response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray, changed: BoolArray
+    lines: tuple[Response, ...],
+    movable: tuple[Adjustable, ...],
+    amounts: FloatArray,
+    changed: BoolArray,
 ) -> _Trial:
     """Return the trial that moves things by these amounts."""
-    one = tried(response, movable, amounts)
+    responses = _tried(lines, movable, amounts)
     return _Trial(
         movable=movable,
         amounts=tuple((amounts + 0.0).tolist()),  # no negative zeros
-        response=one,
-        margin=float(margins(one, to="normal")[..., changed].min()),
+        responses=responses,
+        margin=float(margins(*responses, to="normal")[..., changed].min()),
     )
 
 

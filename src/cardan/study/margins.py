@@ -1,4 +1,4 @@
-"""Every margin of a line at once, as one array: what a search and a scatter look at."""
+"""Every margin of lines at once, as one array: what a search and a scatter look at."""
 
 from typing import Literal, TypeAlias
 
@@ -16,18 +16,22 @@ PLENTY = 10.0
 """Margins are cut here."""
 
 
-def margins(response: Response, *, to: Bound) -> FloatArray:
-    """Return every margin of a line, (..., limits x states x parts), cut where it is plenty.
+def margins(*responses: Response, to: Bound) -> FloatArray:
+    """Return every margin of lines, (..., limits x states x parts), cut where it is plenty.
 
     To the maximum, what can only warn has plenty.
     """
-    return _margins(response, tuple(asked(response)), to=to)
+    each = [_margins(r, tuple(asked(r)), to=to) for r in responses]
+    return np.concatenate(each, axis=-1)
 
 
-def both(response: Response) -> dict[Bound, FloatArray]:
-    """Return every margin of a line to either bound, asked once."""
-    questions = tuple(asked(response))
-    return {bound: _margins(response, questions, to=bound) for bound in BOUNDS}
+def both(*responses: Response) -> dict[Bound, FloatArray]:
+    """Return every margin of lines to either bound, asked once."""
+    questions = [(r, tuple(asked(r))) for r in responses]
+    return {
+        bound: np.concatenate([_margins(r, q, to=bound) for r, q in questions], axis=-1)
+        for bound in BOUNDS
+    }
 
 
 def _margins(response: Response, questions: tuple[Asked, ...], *, to: Bound) -> FloatArray:
@@ -43,8 +47,11 @@ def _margins(response: Response, questions: tuple[Asked, ...], *, to: Bound) -> 
     return np.nan_to_num(np.minimum(np.concatenate(full, axis=-1), PLENTY), nan=PLENTY)
 
 
-def limits(response: Response) -> tuple[Limit, ...]:
-    """Return which limit each margin of a line is to."""
+def limits(*responses: Response) -> tuple[Limit, ...]:
+    """Return which limit each margin of lines is to."""
     return tuple(
-        q.limit for q in asked(response) for _ in range(q.values.shape[-2] * q.values.shape[-1])
+        q.limit
+        for response in responses
+        for q in asked(response)
+        for _ in range(q.values.shape[-2] * q.values.shape[-1])
     )

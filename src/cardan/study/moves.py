@@ -211,10 +211,10 @@ def _by(response: Response, movable: tuple[Adjustable, ...], amounts: FloatArray
     """Return how far things of a line move with amounts (V, movable)."""
     by = Moved.still(response.line, variants=len(amounts))
     for adjustable, amount in zip(movable, amounts.T, strict=True):
-        if adjustable.line in _ahead(response):
-            by.shim_ahead[:, 0] = amount
-        else:
+        if adjustable.line not in _ahead(response):
             MOVABLES[adjustable.what].move(by, adjustable.part, amount)
+        elif adjustable.what == "shim":
+            by.shim_ahead[:, 0] = amount
     return by
 
 
@@ -230,10 +230,13 @@ def acts_on(response: Response, adjustable: Adjustable) -> bool:
     return shims or adjustable.line == response.line.name
 
 
-def behind(response: Response) -> tuple[Response, ...]:
-    """Return the lines that leave the axle of this one, which turn with its shim."""
-    application = response.application
-    return tuple(
-        respond(application, demand(resolve(application, i)))
-        for i in application.lines if i.leaves(response.demand.installed)
-    )  # fmt: skip
+def turned(response: Response, movable: Sequence[Adjustable]) -> tuple[Response, ...]:
+    """Return the lines that are otherwise where things of a line are moved, that one first.
+
+    Its shim turns those with it that leave its axle.
+    """
+    application, installed = response.application, response.demand.installed
+    behind = (i for i in application.lines if i.leaves(installed))
+    shims = any(a.what == "shim" for a in movable)
+    others = (respond(application, demand(resolve(application, i))) for i in behind)
+    return response, *(others if shims else ())

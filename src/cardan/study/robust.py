@@ -4,7 +4,7 @@ A truck keeps what a setting promises where nothing fails in it that does not fa
 setting itself.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,7 +13,7 @@ import numpy as np
 from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.errors import BadFile, DesignError
 from cardan.base.frozen import dataclass
-from cardan.base.verdict import EQUAL
+from cardan.base.verdict import EQUAL, Limit
 from cardan.demand.states import demand, resolve
 from cardan.model.application import Adjustable, Application
 from cardan.model.movable import MOVABLES, movable
@@ -21,7 +21,7 @@ from cardan.model.variants import Spread, Variants
 from cardan.quantity.response import Response, respond
 from cardan.study.draw import Drawing, drawing
 from cardan.study.margins import PLENTY, Bound, both, limits
-from cardan.study.moves import UNMEASURED, tried
+from cardan.study.moves import UNMEASURED, tried, turned
 from cardan.study.sweep import CHUNK, names, with_numbers
 
 ASSUMED = {"bearing_height_mm": 3.0, "bearing_side_mm": 3.0, "shim_deg": 0.5, "phase_deg": 2.0}
@@ -116,10 +116,13 @@ class Trucks:
         """What scatters, and how."""
         return tuple((self.drawing.called(f), f.spread) for f in self.drawing.factors)
 
-    def response(
+    def responses(
         self, ways: tuple[Adjustable, ...], amounts: FloatArray, off: FloatArray
-    ) -> Response:
-        """Return the line at a setting (ways) in trucks that are `off` (V, tolerances)."""
+    ) -> tuple[Response, ...]:
+        """Return the line at a setting (ways) in trucks that are `off` (V, tolerances).
+
+        And the lines that the ways turn with it.
+        """
         every = movable(i.line for i in self.application.lines)
         called = self.drawing.names
         alone = off[0] if len(off) == 1 else off.T  # a number that arrays cannot hold, by itself
@@ -134,7 +137,8 @@ class Trucks:
         set_ = np.broadcast_to(amounts, (len(off), len(ways)))
         both = np.concatenate([set_, off[:, moves] * worth], axis=1)
         merged = _merged(parts, both)
-        return tried(respond(changed, demand(resolve(changed, installed))), *merged)
+        lines = turned(respond(changed, demand(resolve(changed, installed))), ways)
+        return tuple(tried(line, *merged) for line in lines)
 
     def left(
         self, ways: tuple[Adjustable, ...], amounts: FloatArray, off: FloatArray
@@ -145,7 +149,7 @@ class Trucks:
         cannot exist has none.
         """
         try:
-            found = both(self.response(ways, amounts, off))
+            found = both(*self.responses(ways, amounts, off))
         except (BadFile, DesignError):
             if len(off) == 1:
                 raise
@@ -177,8 +181,8 @@ class Trucks:
             scatters, and 4096 of them.
         """
         still = np.zeros((1, len(self.drawing.names)))
-        at = self.response(ways, amounts, still)
-        promised, each = self.left(ways, amounts, still), limits(at)
+        each = limits(*self.responses(ways, amounts, still))
+        promised = self.left(ways, amounts, still)
         held = (promised["maximum"][0] >= -EQUAL) & [m.maximum is not None for m in each]
         calm = (promised["normal"][0] >= -EQUAL) & [m.warns for m in each]
         if asked:
@@ -190,7 +194,7 @@ class Trucks:
                 share=float(kept.mean()),
                 quiet=float((kept & _kept(near, calm)).mean()),
                 asked=True,
-                lost=_lost(at, left, held),
+                lost=_lost(each, left, held),
             )
         parabolas = self._parabolas(ways, amounts)
         off = self._normal(self.drawing.unit(0, DRAWS))
@@ -210,7 +214,7 @@ class Trucks:
             quiet=float((kept & _kept(parabolas["normal"](off), calm)).mean()),
             asked=False,
             tighter=(best, halved[best]) if halved[best] > share + 0.005 else None,
-            lost=_lost(at, left, held),
+            lost=_lost(each, left, held),
         )
 
     def scatter(self, ways: tuple[Adjustable, ...], amounts: FloatArray, *, to: Any) -> FloatArray:
@@ -298,7 +302,7 @@ def _kept(left: FloatArray, held: BoolArray) -> BoolArray:
     return np.asarray((left[:, held] >= -EQUAL).all(-1), bool)
 
 
-def _lost(at: Response, left: FloatArray, held: BoolArray) -> str:
+def _lost(of: Sequence[Limit], left: FloatArray, held: BoolArray) -> str:
     """Return the quantity that most trucks fail of what was held."""
     bad = ((left < -EQUAL) & held).mean(0)
-    return limits(at)[int(bad.argmax())].quantity if bad.any() else ""
+    return of[int(bad.argmax())].quantity if bad.any() else ""

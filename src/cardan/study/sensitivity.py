@@ -14,7 +14,7 @@ from cardan.quantity.quantities import ANSWERED
 from cardan.quantity.response import Response
 from cardan.study.approval import Approval
 from cardan.study.driveline import Asked, asked, check
-from cardan.study.moves import Move, adjustables, behind, fitted, in_states, tried
+from cardan.study.moves import Move, adjustables, fitted, in_states, tried, turned
 
 ON_RUBBER = {key for key, quantity in ANSWERED.items() if quantity.on_rubber}
 """What other mounts answer."""
@@ -29,8 +29,9 @@ class Effect:
 
     `low` and `high` are how far it is moved: by a step, or to the ends of its range where no
     step of anything helps; by half of that where the whole spoils something and the half does
-    not. `spoilt` is the worst of what the way that helps makes warn or fail
-    that did not before.
+    not. `back` and `forth` are values in the check's own state, and of a way that helps there the
+    worst of all states. `spoilt` is the worst of what the way that helps makes warn or fail that
+    did not before.
     """
 
     adjustable: Adjustable
@@ -51,18 +52,25 @@ class Sensitivity:
     """A check that does not pass, and what could be moved about it, most helpful first.
 
     What helps without harm elsewhere comes before what helps with it.
-    `effects` are those in its own state, the worst of `states` in which it does not pass.
+    It is that of the worst of `states`, in which it does not pass.
     """
 
     check: Check
     states: tuple[str, ...]
     effects: tuple[Effect, ...]
 
+    def won(self, value: float) -> float:
+        """Return the margin that a value wins, negative if it loses some."""
+        to = "maximum" if self.check.grade == "fail" else "normal"
+        return float(self.check.limit.margin(value, to=to)) - self.check.margin
+
+    def helps(self, value: float) -> bool:
+        """Return whether a value closes a part of the gap that is `WORTHWHILE`."""
+        return self.won(value) > WORTHWHILE * max(-self.check.margin, 0.0)
+
     def gain(self, effect: Effect) -> float:
         """Return the margin that the better way of moving wins, negative if both lose."""
-        now, limit = self.check, self.check.limit
-        to = "maximum" if now.grade == "fail" else "normal"
-        return max(float(limit.margin(v, to=to)) for v in (effect.back, effect.forth)) - now.margin
+        return max(self.won(effect.back), self.won(effect.forth))
 
     def better(self, effect: Effect) -> tuple[Move, float]:
         """Return the way of moving that leaves more margin, and the value it gives."""
@@ -73,8 +81,7 @@ class Sensitivity:
     @property
     def helpful(self) -> tuple[Effect, ...]:
         """Those that close a part of the gap that is `WORTHWHILE`."""
-        gap = max(-self.check.margin, 0.0)
-        return tuple(e for e in self.effects if self.gain(e) > WORTHWHILE * gap)
+        return tuple(e for e in self.effects if self.helps(e.back) or self.helps(e.forth))
 
 
 def sensitivities(approval: Approval, *, line: str | None = None) -> tuple[Sensitivity, ...]:
@@ -122,9 +129,10 @@ def _moved(
     to pass one of them, and a step may be too short for that.
     """
     missed = list(_missed(response, quantities))
-    steps = np.array([_step(a) for a in movable])
-    ends = np.array([(a.low, a.high) for a in movable]).reshape(-1, 2).T
-    found = _asked(response, missed, movable, -steps, steps)
+    ends = np.array([_range(response, a) for a in movable]).reshape(-1, 2).T
+    of = [MOVABLES[a.what] for a in movable]
+    steps = np.array([np.inf if m.choice else m.step for m in of])  # a choice has no between
+    found = _asked(response, missed, movable, *np.clip(ends, -steps, steps))
     rest = [k for k, one in enumerate(found) if not one.helpful]
     farther = _asked(response, [missed[k] for k in rest], movable, *ends)
     better = {k: one for k, one in zip(rest, farther, strict=True) if one.helpful}
@@ -166,10 +174,20 @@ def _asked(
 
 
 def _weighed(response: Response, found: list[Sensitivity]) -> Iterator[Sensitivity]:
-    """Yield the sensitivities of a line with what each move that helps would spoil."""
-    helps = [*dict.fromkeys(s.better(e)[0] for s in found for e in s.helpful)]
-    spoilt = _spoilt(response, helps, _made(response, helps)) if helps else {}
-    halves = {move: half for move in spoilt if (half := _half(move))}
+    """Yield the sensitivities of a line with what each move that helps comes to in all states.
+
+    And what it would spoil.
+    """
+    ways = [
+        Move(adjustable=e.adjustable, amount=amount)
+        for s in found for e in s.effects for amount, value in e.ways if s.helps(value)
+    ]  # fmt: skip
+    ways = [*dict.fromkeys(ways)]
+    made = _made(response, ways) if ways else response
+    found = [_everywhere(s, ways, made) for s in found]
+    spoilt = _spoilt(response, ways, made) if ways else {}
+    helps = dict.fromkeys(s.better(e)[0] for s in found for e in s.helpful)
+    halves = {move: half for move in spoilt if move in helps and (half := _half(move))}
     if halves:
         found = _halved(response, found, halves)
     for s in found:
@@ -177,6 +195,22 @@ def _weighed(response: Response, found: list[Sensitivity]) -> Iterator[Sensitivi
         helpful.sort(key=lambda e: badness(e.spoilt)[0] if e.spoilt else 0, reverse=True)
         others = [e for e in s.effects if e not in s.helpful]
         yield replace(s, effects=(*helpful, *others))
+
+
+def _everywhere(s: Sensitivity, ways: Sequence[Move], made: Response) -> Sensitivity:
+    """Return a sensitivity with what helps in its own state as it is in the worst of all."""
+    if not s.helpful:
+        return s
+    value = dict(zip(ways, _values(made, s.check, len(ways)), strict=True))
+
+    def told(e: Effect, amount: float, own: float) -> float:
+        move = Move(adjustable=e.adjustable, amount=amount)
+        return value[move] if s.helps(own) else own
+
+    effects = [
+        replace(e, back=told(e, e.low, e.back), forth=told(e, e.high, e.forth)) for e in s.effects
+    ]
+    return replace(s, effects=tuple(sorted(effects, key=s.gain, reverse=True)))
 
 
 def _half(move: Move) -> Move | None:
@@ -218,14 +252,17 @@ def _halved(
 
 
 def _values(made: Response, of: Check, count: int) -> list[float]:
-    """Return what each of so many moves makes of the value of a check."""
+    """Return what each of so many moves makes of the value of a check, in the worst state."""
     then = next(
         q
         for q in asked(made, quantities={of.quantity})
         if q.limit == of.limit and of.part in q.parts
     )
-    state, part = made.demand.states.index(of.when.name), then.parts.index(of.part)
-    return np.broadcast_to(then.values[..., state, part], count).tolist()
+    values = then.values[..., then.parts.index(of.part)]
+    values = np.broadcast_to(values, (count, values.shape[-1]))
+    margin = of.limit.margin(values, to="maximum" if of.grade == "fail" else "normal")
+    worst = np.where(np.isnan(values), np.inf, margin).argmin(-1)
+    return values[np.arange(count), worst].tolist()
 
 
 def _made(response: Response, moves: Sequence[Move]) -> Response:
@@ -243,8 +280,9 @@ def _spoilt(response: Response, moves: Sequence[Move], made: Response) -> dict[M
     """
     found: dict[Move, Check] = {}
     shims = [m for m in moves if m.adjustable.what == "shim"]
-    turned = [(r, _made(r, shims), shims) for r in behind(response)] if shims else []
-    for line, after, of in [(response, made, moves), *turned]:
+    _, *behind = turned(response, [m.adjustable for m in shims])
+    others = [(r, _made(r, shims), shims) for r in behind]
+    for line, after, of in [(response, made, moves), *others]:
         for now, then in zip(asked(line), asked(after), strict=True):
             values = np.broadcast_to(then.values, (len(of), *now.values.shape))
             worse = _worst_grades(then, values) > _worst_grades(now, now.values)
@@ -260,10 +298,10 @@ def _worst_grades(question: Asked, values: FloatArray) -> IntArray:
     return np.where(np.isnan(values), 0, question.limit.grades(values)).max(axis=-2)
 
 
-def _step(a: Adjustable) -> float:
-    """Return how far something is moved to see what that does: other mounts as far as they go."""
-    movable = MOVABLES[a.what]
-    return min(movable.step, -a.low, a.high) if movable.fitted else movable.step
+def _range(response: Response, a: Adjustable) -> tuple[float, float]:
+    """Return how far something may be moved; where yokes may stand counts from the aligned."""
+    stands = response.line.phases[a.part - 1] if MOVABLES[a.what].choice else 0.0
+    return a.low - stands, a.high - stands
 
 
 def _missed(response: Response, quantities: set[str]) -> Iterator[_Missed]:
