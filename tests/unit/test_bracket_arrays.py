@@ -86,7 +86,6 @@ def test_extremes_over_a_history_are_those_of_each_moment():
     assert found.highest.value == pytest.approx(ends.max())
     assert found.lowest.value == pytest.approx(ends.min())
     assert stress.envelope(unit, loads) == pytest.approx(mises.max(axis=1))
-    assert stress.moments(unit, loads) == pytest.approx(mises.max(axis=0))
 
 
 def test_chunks_change_nothing(monkeypatch):

@@ -15,6 +15,7 @@ from cardan.base.errors import BadFile, DesignError
 from cardan.base.part import Occasion
 from cardan.base.units import hour, mm
 from cardan.cli import cli
+from cardan.files.catalogue import find
 from cardan.report import bracket_search as shown
 from cardan.report.language import CODES, EN, Language
 from cardan.study import bracket_search
@@ -57,7 +58,7 @@ def test_the_lightest_is_that_of_trying_all():
     assert asked < 0.5 * total
 
 
-def fake(monkeypatch, life, first=1.0, slips=None, stress=None):
+def fake(monkeypatch, life, first=1.0, slips=None, stress=None, welded=lambda _: False):
     """Judge by a formula; the first mesh is off by a factor. It is in no bolts that slip."""
     solved = []
 
@@ -65,7 +66,7 @@ def fake(monkeypatch, life, first=1.0, slips=None, stress=None):
         solved.append(name)
         hours = life(shape) * (first if levels == 1 else 1.0)
         part = SimpleNamespace(
-            zone="sheet", number=1, part=bracket_search_part(), beside_weld=False
+            zone="sheet", number=1, part=bracket_search_part(), beside_weld=welded(shape)
         )
         bolted = slips is not None and levels > 1
         asked = [
@@ -204,6 +205,20 @@ def test_a_set_that_yields_is_not_the_lightest(monkeypatch):
         text = " ".join(shown.terminal(application, found, Language(code), width=400))
         assert "kerb" in text
         assert ("lives long enough, but fails: Bracket stress over yield" in text) == (code == "en")
+
+
+def test_a_weld_that_nobody_knows_the_yield_of_is_not_chosen(monkeypatch):
+    """6061-T6 yields at 276 MPa, and at 115 beside a weld: a rib was chosen by no yield at all."""
+    fake(monkeypatch, life_of, stress=lambda _: 150e6, welded=lambda shape: shape.gusset > 0)
+    application = files.loads(FILE)
+    al = find("6061-T6", "material")
+    bare = replace(al, welded_yield=None)
+    with pytest.raises(DesignError, match="`welded_yield_MPa` of 6061-T6: a weld's heat") as failed:
+        search(replace(application, bracket=replace(application.bracket, material=bare)))
+    assert failed.value.about == "bracket.material"
+    found = search(replace(application, bracket=replace(application.bracket, material=al)))
+    assert found.best.sizes["gusset"] == 0  # 150 MPa of 276 hold, and of 115 they do not
+    assert any(t.sizes["gusset"] and not t.holds for t in found.tried)
 
 
 def test_bolts_that_slip_fail_without_a_limit_as_well(monkeypatch):

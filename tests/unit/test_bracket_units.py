@@ -542,14 +542,22 @@ def test_a_step_file_gives_the_same_bracket(units, tmp_path):
         solid(replace(named, path="nowhere.step"))
     with pytest.raises(DesignError, match=r"5 mm off the axis .* axis is \(0.00, -?0.00, 0.00\)"):
         solid(replace(named, centre=(0, 5 * mm, 0)))
+    # From 35 mm along the shaft on there is no seat; a bearing as wide as 50 mm would not touch it.
+    beyond = r"lies 26 mm beyond the end of its seat, .* 50 mm radius, and may lie 25 mm beyond"
+    for x in (61, -61):
+        with pytest.raises(DesignError, match=beyond) as failed:
+            solid(replace(named, centre=(x * mm, 0, 0)))
+        assert failed.value.about == "bracket.step.centre"
+    assert solid(replace(named, centre=(59 * mm, 0, 0))).volume == pytest.approx(units.solid.volume)
+    flat = (Pick(near=(0, 50 * mm, 60 * mm)),)
     with pytest.raises(DesignError, match="far from its seat, which reaches from -35"):
-        solid(replace(named, centre=(0.5, 0, 0)))
+        solid(replace(named, centre=(0.5, 0, 0), seat=flat))
     outside = (Pick(name="seat"), Pick(near=(0, 0, -56 * mm)))
     for seat in (outside, outside[1:]):
         with pytest.raises(DesignError, match=r"seat: .* outside of a round of 56 mm radius"):
             solid(replace(named, seat=seat))
     with pytest.raises(DesignError, match=r"seat picked of .* no round, and a bore of 50 mm"):
-        solid(replace(named, seat=(Pick(near=(0, 50 * mm, 60 * mm)),)))
+        solid(replace(named, seat=flat))
     # Of its sheet of 6 mm, by its holes; half its volume over its surface is a tenth less.
     for wrong in (60, 18, 11, 3):
         with pytest.raises(

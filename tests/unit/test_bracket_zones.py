@@ -140,6 +140,42 @@ def test_structural_stress_carries_a_straight_field_on(plate):
     assert gap == pytest.approx(0.4 * T, rel=0.02)
 
 
+@pytest.mark.parametrize(
+    ("gap", "rib", "alone"),
+    [(1.0, 1.0, True), (1.1, 1.0, True), (0.7, 0.2, True), (1.6, 1.0, False)],
+)
+def test_another_toe_so_near_is_not_read(gap, rib, alone):
+    """A strip, pulled and bent, with two ribs: by statics what acts between them is the nominal.
+
+    Membrane and bending there are those of any section. 1.1 t apart they were told 0.79 and 0.73
+    of it, for the second reading was the other toe's notch; beyond a narrow rib 0.97 and 0.96.
+    """
+    occ, z = engine().occ, engine().ngs.z
+    t, wide, high = 10 * mm, 6 * mm, 22 * mm
+    shape = occ.Box((-80 * mm, 0, 0), (80 * mm, wide, t))
+    half = gap * t / 2
+    for low, end in ((half, half + t), (-half - rib * t, -half)):
+        shape += occ.Box((low, 0, t / 2), (end, wide, high))
+    for face in shape.faces:
+        x, y = face.center.x, face.center.y
+        ends = {-80 * mm: "held", 80 * mm: "pulled"}
+        face.name = next((name for at, name in ends.items() if abs(x - at) < 1e-9), "free")
+        if y < 1e-9 or y > wide - 1e-9:
+            face.name = "side"
+    finer = [((x, wide / 2, h), 1.2 * mm) for h in (3 * mm, t) for x in np.linspace(-t, t, 7)]
+    body = elastic(mesh(shape, size=4 * mm, finer=finer), STEEL, held={"held": "xyz", "side": "y"})
+    ways = [(1.0, 0, 0), ((z - t / 2) / (t / 2), 0, 0)]
+    loads = np.stack([body.traction("pulled", engine().ngs.CF(way)) for way in ways])
+    stress = body.stress_at_nodes(body.solve(loads))
+    lines = zones_of(body.nodes, held=("held",), thickness=t).lines
+    mine = (np.abs(lines.points[:, 0] - half) < 1e-6) & (lines.frames[:, 0, 0] < -0.9)
+    mine &= (lines.normals[:, 2] > 0.9) & (np.abs(lines.points[:, 1] - wide / 2) < wide / 3)
+    assert mine.any()
+    assert (lines.room[mine] != alone).all()
+    told = lines.structural(body.nodes, stress)[mine, :, 0]
+    assert told == pytest.approx(1.02, abs=0.04)
+
+
 def test_what_peaks_between_the_two_readings_is_told(plate):
     """A ridge 0.7 t from a toe: no node beyond the first reading stands higher than what is told.
 

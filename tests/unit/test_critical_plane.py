@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 
 from cardan.fatigue.critical import (
     Pass,
+    _counted,
+    _largest,
     counted,
     in_surface,
     on_planes,
@@ -140,6 +142,38 @@ def test_a_pass_may_stress_a_place_more_than_its_unit_loads_say():
     for k, size in enumerate((1.4, 0.9)):
         alone, _ = plane_damage(unit[[k]], normals[:1], [Pass(size * one), Pass(other)], harm=harm)
         assert scaled[k] == pytest.approx(alone[0])
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_no_plane_suffers_more_than_is_bound(seed):
+    """Two places under passes of few orders: every cycle counted on each plane, by a curve with R.
+
+    Told up to which damage nobody asks, the worse of the two stays what it is.
+    """
+    rng = np.random.default_rng(seed)
+    theta = 2 * np.pi * np.arange(64)[:, None] / 64
+    sizes = rng.normal(size=(3, 4)) * 10 ** rng.uniform(-2, 0, (3, 1))
+    turns = rng.uniform(0, 2 * np.pi, (2, 3, 4))
+    loads = np.stack([
+        1 + sum(a * np.cos(k * theta + b) for k, a, b in zip((1, 2, 4), sizes, turn, strict=True))
+        for turn in turns
+    ])  # fmt: skip
+    unit, normals = 60e6 * rng.normal(size=(2, 4, 6)), [[0, 0, 1]] * 2
+
+    def steep(amplitude, mean, _at):
+        return CURVE.damage(amplitude / np.maximum(1 - mean / 1e9, 0.05))
+
+    stress = on_planes(unit, plane_directions(normals))
+    once, most = _largest(stress, [Pass(loads)], steep)
+    rows, planes = np.indices(stress.shape[:2]).reshape(2, -1)
+    exact = _counted(stress[rows, planes], rows, [Pass(loads)], steep).reshape(most.shape)
+    assert (exact <= most * (1 + 1e-9)).all()
+    assert (most <= 4 * once * (1 + 1e-9)).all()
+    told, _ = plane_damage(unit, normals, [Pass(loads)], harm=steep, closely=0)
+    better = told.argmin()
+    others, _ = plane_damage(unit, normals, [Pass(loads)], harm=steep, closely=0, least=told.max())
+    assert told == pytest.approx(exact.max(axis=1))
+    assert others[better] <= told.max()
 
 
 def histories(seed, kind):

@@ -1,13 +1,18 @@
 """What a verdict means, as the design has it (4a), by hand: pass, warn, incomplete, fail."""
 
 import math
+from dataclasses import replace
 from itertools import permutations
+from types import SimpleNamespace
 
 import pytest
 
 from cardan.base.part import LINE, Occasion, Part
 from cardan.base.source import Source
 from cardan.base.verdict import Check, Limit, Unanswered, worst
+from cardan.report.language import Language
+from cardan.report.terminal import checks as rows_of
+from cardan.report.wording import worst_of_each
 from cardan.study.approval import Coverage, verdict_of
 
 HOUSE = Source("House rules")
@@ -22,6 +27,21 @@ def check(value, limit):
     return Check(
         quantity=limit.quantity, line="main", when=when, part=LINE, value=value, limit=limit
     )
+
+
+def test_the_row_of_a_limit_names_where_it_is_worst_and_where_it_may_be_worse():
+    """99 of 100 that may be no more; 60 that may be 250: both are told, the first as the worst."""
+    near = check(99.0, UP)
+    rough = replace(check(60.0, UP), when=Occasion("state", "empty"), within=(50.0, 250.0))
+    assert worst_of_each([rough, near]) == [rough, near]
+    also = replace(near, within=(90.0, 250.0))
+    assert worst_of_each([rough, also]) == [also]
+    assert worst_of_each([check(98.0, UP), near, check(5.0, DOWN)]) == [check(5.0, DOWN), near]
+    # One limit all the same: of six, five have a row.
+    others = [check(90.0, replace(UP, maximum=200.0 + k)) for k in range(5)]
+    found = SimpleNamespace(checks=[rough, check(61.0, UP), *others], responses=[None])
+    said = list(rows_of(found, Language("en"), brief=True))
+    assert said[-1] == "One more limit passes, by +10 %; --all shows it."
 
 
 def missed(*, required):

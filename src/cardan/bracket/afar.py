@@ -52,7 +52,8 @@ def from_afar(
     asked = sorted({c for _, c in goals})
     gaps = dict(zip(asked, _gaps(body, read, displacements[asked], smooth[:, asked]), strict=True))
     found = np.zeros((len(goals), len(volumes)))
-    for row, (node, c) in zip(found, goals, strict=True):
+    strained: list[tuple[int, FloatArray]] = []
+    for k, (node, c) in enumerate(goals):
         stress = smooth[node, c]
         level = float(von_mises(stress))
         if not level > 0:
@@ -63,10 +64,14 @@ def from_afar(
         meet = np.flatnonzero((body.nodes.elements == node).any(axis=1))
         share = np.zeros(len(volumes))
         share[meet] = 1 / volumes[meet].sum()
-        second = body.solve(body.strained(share, slope)[None])
-        (jump,) = _gaps(body, read, second, body.stress_at_nodes(second))
-        work = _complementary(gaps[c], jump, body.material)
-        row[:] = _UNSEEN * np.abs((work * weights).sum(axis=1))
+        strained.append((k, body.strained(share, slope)))
+    if not strained:
+        return found
+    second = body.solve(np.stack([load for _, load in strained]))
+    jumps = _gaps(body, read, second, body.stress_at_nodes(second))
+    for (k, _), jump in zip(strained, jumps, strict=True):
+        work = _complementary(gaps[goals[k][1]], jump, body.material)
+        found[k] = _UNSEEN * np.abs((work * weights).sum(axis=1))
     return found
 
 

@@ -35,6 +35,9 @@ _AS_THICK = 1.75
 """Times the mean thickness of a solid, and share of it, that its walls may have."""
 _ALONG = np.cos(np.radians(20))
 """Of the angle between a bore and the shaft's direction: shafts slope by less."""
+_BESIDE = 0.5
+"""Radii of a seat's bore, beyond whose ends its bearing's centre may lie: bearings are no wider than
+their bore's radius, and one that is as wide touches the seat from there at least."""
 _TIE = 0.01
 """mm, by which another face may be farther from a point that picks one."""
 _PAD = 4.0
@@ -570,6 +573,16 @@ def _centred(faces: list[Any], bore: _Cylinder | None, part: StepShape) -> None:
             msg = (
                 f"the bearing's centre lies {across:.3g} mm off the axis of its seat, a bore of "
                 f"{bore.radius:.4g} mm radius: the nearest point of the axis is ({where}) mm"
+            )
+            raise DesignError(msg, about="bracket.step.centre")
+        ends = np.array([[e.start.x, e.start.y, e.start.z] for f in faces for e in f.edges])
+        reach, at = (ends - bore.point) @ bore.axis, off @ bore.axis
+        beyond = float(max(reach.min() - at, at - reach.max()))
+        if beyond > (room := _BESIDE * bore.radius):
+            msg = (
+                f"the bearing's centre lies {beyond:.3g} mm beyond the end of its seat, a bore of "
+                f"{bore.radius:.4g} mm radius, and may lie {room:.3g} mm beyond it: a bearing as "
+                "wide as that radius would not touch it"
             )
             raise DesignError(msg, about="bracket.step.centre")
     low = np.min(

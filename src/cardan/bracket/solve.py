@@ -6,6 +6,7 @@ it takes, and with smaller welds and fillets where the CAD kernel breaks on thos
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -198,6 +199,12 @@ class Solved:
     def both(self) -> tuple[Held, Held]:
         """The two ways it is held."""
         return self.sliding, self.clamped
+
+    @cached_property
+    def on_surface(self) -> tuple[FloatArray, FloatArray]:
+        """Stress (surface nodes, 9, 6) Pa, the flange sliding; how much each load does, (9,)."""
+        stress = self.stress[self.nodes.surface]
+        return stress, np.sqrt(np.mean(stress**2, axis=(0, 2)))
 
 
 def solved_apart(task: Task, *, tell: Progress) -> Solved:

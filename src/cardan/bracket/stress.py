@@ -167,13 +167,3 @@ def envelope(unit: ArrayLike, loads: ArrayLike) -> FloatArray:
         von_mises(superpose(unit[k : k + step], loads)).max(axis=-1)
         for k in range(0, len(unit), step)
     ])  # fmt: skip
-
-
-def moments(unit: ArrayLike, loads: ArrayLike) -> FloatArray:
-    """Largest von Mises stress (t,) Pa of points (n, u, 6) Pa at each moment of loads (t, u)."""
-    unit, loads = np.asarray(unit, dtype=float), np.asarray(loads, dtype=float)
-    step = max(1, _CHUNK // len(unit))
-    return np.concatenate([
-        von_mises(superpose(unit, loads[k : k + step])).max(axis=0)
-        for k in range(0, len(loads), step)
-    ])  # fmt: skip

@@ -23,6 +23,8 @@ SHEET, CUT, TOE, BORDER = range(len(ZONES))
 
 NEAR, _FAR = 0.4, 1.0
 """Where the structural stress is read, in thicknesses from the toe."""
+_LOOKS = 6
+"""Places between the two readings where it is asked whether another toe is as near."""
 _CORNER = -30 * deg
 """Faces that turn away from each other by more meet in a corner of the sheet, or in half of one
 that is broken: a chamfer's edges turn by 45 degrees each, to a drawing's last digits."""
@@ -46,7 +48,8 @@ class Lines:
     near, far : OnSurface
         0.4 and 1.0 thicknesses from the toe.
     room : (k,)
-        Whether the plate reaches that far; if not the stress at the last point it reaches counts.
+        Whether the plate reaches that far, and no other toe or border lies within 0.4 thicknesses
+        of the way; if not the stress at the first point counts, as it is.
     """
 
     points: FloatArray
@@ -335,10 +338,25 @@ def _lines(nodes: Nodes, edges: Edges, *, thickness: Metre) -> Lines:
     t = depth(nodes, start + 0.3 * thickness * edges.into, edges.normals, usual=thickness)
     near, near_frame, ok = _step(nodes, start, frame, NEAR * t)
     far, far_frame, ok_too = _step(nodes, near.points, near_frame, (_FAR - NEAR) * t)
+    room = ok & ok_too & _clear(nodes, edges, near.points, far.points, NEAR * t)
     return Lines(
         points=start, normals=edges.normals, frames=frame,
-        near_frames=near_frame, far_frames=far_frame, near=near, far=far, room=ok & ok_too,
+        near_frames=near_frame, far_frames=far_frame, near=near, far=far, room=room,
     )  # fmt: skip
+
+
+def _clear(
+    nodes: Nodes, edges: Edges, near: FloatArray, far: FloatArray, apart: FloatArray
+) -> BoolArray:
+    """Whether lines from near to far points (k, 3) m stay so far `apart` (k,) m from all edges.
+
+    What is read nearer another toe is that one's notch, and beyond it no stress of this toe's.
+    """
+    from scipy.spatial import cKDTree
+
+    part = np.arange(1, _LOOKS + 1)[:, None, None] / _LOOKS
+    away, _ = cKDTree(_along(nodes, edges)).query(near + part * (far - near))
+    return np.asarray((away > 0.99 * apart).all(axis=0), dtype=bool)
 
 
 def _step(

@@ -74,11 +74,12 @@ def counted(signals: ArrayLike) -> tuple[FloatArray, FloatArray]:
     x = np.asarray(signals, dtype=float)
     rows, t = x.shape
     start = x.argmax(axis=1)
-    x = np.take_along_axis(x, (start[:, None] + np.arange(t + 1)) % t, axis=1)
     if (close := rows_at_once()) is not None:
-        amplitude, mean = np.zeros((2, rows, t // 2 + 2))
-        most = close(x, amplitude, mean)
+        # Cycle by cycle: most rows have few, and memory that nobody writes costs nothing.
+        amplitude, mean = np.zeros((2, t // 2 + 2, rows)).mT
+        most = close(x, start, amplitude, mean)
         return amplitude[:, :most], mean[:, :most]
+    x = np.take_along_axis(x, (start[:, None] + np.arange(t + 1)) % t, axis=1)
     # Reversals, pressed together to the left; what is left of a row repeats its end.
     step = np.sign(np.diff(x, axis=1))
     last = np.maximum.accumulate(np.where(step != 0, np.arange(t), 0), axis=1)
@@ -307,10 +308,44 @@ def _largest(
         loads = np.concatenate(one.loads)
         brief = one.loads.shape[1] <= _TURN
         mean, amplitude = swings(stress, loads if brief else farthest(loads, worth))
-        does = one.times * harm(more * amplitude, more * mean, np.arange(len(stress)))
-        once += does
-        often += does * _orders(one.loads, worth).max(initial=1) if brief else np.inf
+        top, each = mean + amplitude, np.arange(len(stress))
+        once += one.times * harm(more * amplitude, more * mean, each)
+        if not brief:
+            often += np.inf
+            continue
+        for size, count in _cycles(stress, one.loads, worth, amplitude):
+            often += one.times * count * harm(more * size, more * (top - size), each)
     return once, often
+
+
+def _cycles(
+    stress: FloatArray, passes: FloatArray, worth: FloatArray, largest: FloatArray
+) -> list[tuple[FloatArray, float]]:
+    """Return amplitudes (m, planes) Pa that no cycle of a pass goes beyond, and how many of each.
+
+    Of stresses (m, planes, c) under passes (p, t, c), whose `largest` is known. There are no more
+    than the highest order has; of few orders the k-th largest is at most a k-th of all together.
+    """
+    orders = _orders(passes, worth)
+    count = int(orders.max(initial=1))
+    if len(orders) > _ORDERS:
+        return [(largest, count)]
+    whole = _up_and_down(stress, passes, orders) / 4
+    return [(largest, 1), *((np.minimum(largest, whole / k), 1) for k in range(2, count + 1))]
+
+
+def _up_and_down(stress: FloatArray, passes: FloatArray, orders: IntArray) -> FloatArray:
+    """Return how far normal stress (m, planes) goes up and down in a pass, Pa, or more.
+
+    Of stresses (m, planes, c) under passes (p, t, c) of few orders: a wave goes four times its
+    amplitude each time it comes back, and a cycle four times its own.
+    """
+    waves = np.fft.rfft(passes, axis=1)[:, orders] * 2 / passes.shape[1]
+    far = np.zeros(stress.shape[:2])
+    for wave in waves:
+        size = np.hypot(stress @ wave.real.T, stress @ wave.imag.T)
+        far = np.maximum(far, 4 * size @ orders)
+    return far
 
 
 def _orders(passes: FloatArray, worth: FloatArray | float) -> IntArray:
@@ -350,6 +385,7 @@ def plane_damage(
     *,
     harm: Harm,
     closely: float = CLOSELY,
+    least: ArrayLike = 0.0,
 ) -> tuple[FloatArray, FloatArray]:
     """Damage at places of a surface, each on the plane that suffers most.
 
@@ -365,6 +401,8 @@ def plane_damage(
         Damage of cycles: S-N curve and mean-stress correction, of each place its own.
     closely
         Share of the worst place's damage below which the largest cycle alone is counted.
+    least : (m,)
+        Damage of each place up to which that is enough too: where all its cycles cannot do more.
 
     Returns
     -------
@@ -377,8 +415,8 @@ def plane_damage(
     rough, most = _largest(stress, passes, harm)
     damage, best = rough.max(axis=1), rough.argmax(axis=1)
     # What breaks at once does endless damage, and no share of that is a number.
-    least = closely * damage.max(initial=0.0) if closely else 0.0
-    counts = np.flatnonzero(damage > least)
+    share = closely * damage.max(initial=0.0) if closely else 0.0
+    counts = np.flatnonzero((damage > share) & (most.max(axis=1) > least))
     every, most = np.arange(len(counts)), most[counts]
     brief = np.isfinite(most).all()
     exact = np.full(most.shape, -1.0)

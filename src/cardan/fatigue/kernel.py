@@ -130,17 +130,18 @@ def in_choices(
         before, closed, opened = before + had[k], closed + c, opened + n
 
 
-def close_rows(x: FloatArray, amplitude: FloatArray, mean: FloatArray) -> int:
-    """Write the cycles of rows (rows, t) that each begin and end at their top; return most of one.
+def close_rows(x: FloatArray, top: IntArray, amplitude: FloatArray, mean: FloatArray) -> int:
+    """Write the cycles of rows (rows, t), each from its `top` (rows,) round to it; return most.
 
     By the four-point rule; what stays open is the largest, from the top down and back.
     """
     rows, t = x.shape
     stack, most = np.empty(t + 1), 0
     for r in range(rows):
-        n, closed, way, last = 0, 0, 0.0, x[r, 0]
-        for i in range(1, t + 1):
-            v = x[r, i] if i < t else last - way  # behind its end every row turns
+        n, closed, way, last, k = 0, 0, 0.0, x[r, top[r]], top[r]
+        for i in range(1, t + 2):
+            k = k + 1 if k + 1 < t else 0
+            v = x[r, k] if i <= t else last - way  # behind its end every row turns
             if (v - last) * way > 0 or v == last:
                 last = v
                 continue
@@ -452,7 +453,7 @@ def gate_of_all() -> Callable[[Any, float, FloatArray], int] | None:
     return _compiled(gated)
 
 
-def rows_at_once() -> Callable[[FloatArray, FloatArray, FloatArray], int] | None:
+def rows_at_once() -> Callable[[FloatArray, IntArray, FloatArray, FloatArray], int] | None:
     """Return the compiled loop over rows if numba is installed; without it NumPy is faster."""
     return _compiled(close_rows)
 

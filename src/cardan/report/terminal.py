@@ -22,6 +22,7 @@ from cardan.report.wording import (
     cited,
     held,
     left,
+    limit_of,
     move,
     moves_that_help,
     notes,
@@ -346,13 +347,15 @@ def checks(
         bad = sum(c.grade != "pass" for c in rows)
         shown = rows[: max(bad, FEW)]
     yield from table(shown, say, several=len(of.responses) > 1, width=width)
-    if rest := rows[len(shown) :]:
+    told = set(map(limit_of, shown))
+    if rest := [c for c in rows[len(shown) :] if limit_of(c) not in told]:
+        count = len(set(map(limit_of, rest)))
         means = (
             "One more limit passes, by {margin}; --all shows it."
-            if len(rest) == 1
+            if count == 1
             else "{count} more limits pass, the nearest by {margin}; --all shows them."
         )
-        said = say(means, count=len(rest), margin=say.percent(rest[0].margin))
+        said = say(means, count=count, margin=say.percent(min(c.margin for c in rest)))
         yield from folded([said], width)
 
 

@@ -57,11 +57,33 @@ def tally(checks: Iterable[Check], say: Language, missed: Sequence[Unanswered] =
 
 
 def worst_of_each(checks: Iterable[Check]) -> list[Check]:
-    """Return the worst check of each limit, those that do not pass first."""
-    worst: dict[tuple[str, str, Limit], Check] = {}
-    for c in sorted(checks, key=badness):
-        worst.setdefault((c.quantity, c.line, c.limit), c)
-    return sorted(worst.values(), key=badness)
+    """Return the worst check of each limit, those that do not pass first.
+
+    And that which its error may make worse than the error of the worst does it, if one may.
+    """
+    every = list(checks)
+    worst, doubted = (_first(sorted(every, key=key)) for key in (_as_told, badness))
+    also = (c for k, c in doubted.items() if badness(c)[:2] < badness(worst[k])[:2])
+    return sorted([*worst.values(), *also], key=badness)
+
+
+def _first(checks: Iterable[Check]) -> dict[tuple[str, str, Limit], Check]:
+    """Return the first check of each limit."""
+    found: dict[tuple[str, str, Limit], Check] = {}
+    for c in checks:
+        found.setdefault(limit_of(c), c)
+    return found
+
+
+def limit_of(c: Check) -> tuple[str, str, Limit]:
+    """Return what checks of one limit have in common."""
+    return c.quantity, c.line, c.limit
+
+
+def _as_told(c: Check) -> tuple[int, float]:
+    """Return what checks are sorted by where nobody asks what their error may make of them."""
+    grade, _, margin = badness(c)
+    return grade, margin
 
 
 _HELD = (

@@ -28,7 +28,6 @@ from cardan.bracket.stress import (
     Extremes,
     envelope,
     extremes,
-    moments,
     superpose,
     von_mises,
 )
@@ -38,6 +37,7 @@ from cardan.fatigue.critical import (
     CLOSELY,
     Harm,
     Pass,
+    Reach,
     along,
     farthest,
     in_surface,
@@ -638,16 +638,20 @@ def _damage(
     times: FloatArray | float = 1.0,
     *,
     closely: float = 0.0,
+    least: FloatArray | float = 0.0,
 ) -> FloatArray:
     """Return the damage (m,) of passes at places, each by the curve of its zone.
 
     Of so many `times` (m,) the stress that is told; passes have a scale of each feature. Where
-    it is less than a share `closely` of the worst the largest cycle alone counts.
+    it is less than a share `closely` of the worst, or no more than `least` (m,), the largest cycle
+    alone counts.
     """
     unit = way.unit[at] * np.broadcast_to(times, len(at))[:, None, None]
     there = [replace(p, scale=_scale(way, p)[at]) for p in passes]
     harm = _harm(way.held.zones.kind[at], strength)
-    return plane_damage(unit, way.held.zones.normals[at], there, harm=harm, closely=closely)[0]
+    return plane_damage(
+        unit, way.held.zones.normals[at], there, harm=harm, closely=closely, least=least
+    )[0]
 
 
 def _scale(way: _Way, one: Pass) -> FloatArray:
@@ -676,9 +680,10 @@ def _worn(
         more = _scale(way, one)
         for share, count in of.levels:
             most += one.times * count * harm(more * share * of.amplitude, more * of.mean, every)
-    done = np.full(len(most), -1.0)
+    done, best = np.full(len(most), -1.0), np.zeros(way.count)
     for at in _in_turn(way, most, done):
-        done[at] = _damage(way, at, wide, strength)
+        done[at] = _damage(way, at, wide, strength, least=best[way.feature[at]])
+        np.maximum.at(best, way.feature[at], done[at])
     top = way.highest(done)[:, 0]
     if any(p.loads.shape != w.loads.shape for p, w in zip(passes, wide, strict=True)):
         done[top] = _damage(way, top, passes, strength)
@@ -885,14 +890,11 @@ def _worst_of(
         swung = [one - one.mean(axis=0) for one in each]
         far = [way.places(farthest(np.concatenate(of), way.worth)) for of in (each, swung)]
         at = np.unique(far)
-        starts = np.cumsum([0, *map(len, each[:-1])])
-        levels = moments(way.unit[at], np.concatenate(each))
-        stress = np.maximum(stress, np.maximum.reduceat(levels, starts))
+        passes = [np.stack(np.split(v, c.places)) for v, c in zip(each, case.among, strict=True)]
+        reaches = [reach(of, way.worth) for of in passes]
+        _stressed_most(way, at, each, reaches, stress)
         if case.repeats:
-            passes = [
-                np.stack(np.split(v, c.places)) for v, c in zip(each, case.among, strict=True)
-            ]
-            _swung_most(way, at, passes, strength, swing)
+            _swung_most(way, at, passes, reaches, strength, swing)
     worst = int(stress.argmax())
     yield replace(case.among[worst], among=case.among)
     told = swing[worst].copy()
@@ -903,10 +905,36 @@ def _worst_of(
             yield replace(case.among[most], what=SWINGS[ZONES[zone]])
 
 
+def _stressed_most(
+    way: _Way,
+    at: IntArray,
+    points: Sequence[FloatArray],
+    reaches: Sequence[Reach],
+    found: FloatArray,
+) -> None:
+    """Find the highest von Mises stress (points,) Pa that loads (t, c) of each point make.
+
+    At some places; of those points that may stress most. Of others, what was `found` stays.
+    """
+    unit = way.unit[at]
+    # Its square is a sum of squares, so an ellipsoid's is at most that of all its axes.
+    most = np.array([
+        (
+            von_mises(superpose(unit, of.middle[None]))[:, 0]
+            + sum(np.linalg.norm(von_mises(superpose(unit, a.T)), axis=1) for a in of.axes)
+        ).max()
+        for of in reaches
+    ])  # fmt: skip
+    for k in np.argsort(-most).tolist():
+        if most[k] > found.max():
+            found[k] = max(found[k], float(envelope(unit, points[k]).max()))
+
+
 def _swung_most(
     way: _Way,
     at: IntArray,
     points: Sequence[FloatArray],
+    reaches: Sequence[Reach],
     strength: Mapping[Zone, Strength],
     found: FloatArray,
 ) -> None:
@@ -915,7 +943,8 @@ def _swung_most(
     Of those points that may use most; of others, what was `found` stays.
     """
     kind, ones = way.held.zones.kind[at], np.ones(way.count)
-    held = [reach(passes, way.worth).swings(way.flat[at]) for passes in points]
+    flat = way.flat[at]
+    held = [of.swings(flat) for of in reaches]
     most = np.stack([_used(kind, *of, strength) for of in held])
     zones = [most[:, kind == zone].max(axis=1, initial=0.0) for zone in range(len(ZONES))]
     first = np.stack([of / max(of.max(), 1e-300) for of in zones]).max(axis=0)
@@ -1269,9 +1298,8 @@ def _sorted(o: Outcome, order: IntArray) -> Outcome:
 
 def _on_edge(solved: Solved, loads: FloatArray) -> Found:
     """Return the largest von Mises stress at any node of the surface."""
-    surface = solved.nodes.surface
-    stress = solved.stress[surface]
-    level = envelope(stress, farthest(loads, np.sqrt(np.mean(stress**2, axis=(0, 2)))))
+    surface, (stress, worth) = solved.nodes.surface, solved.on_surface
+    level = envelope(stress, farthest(loads, worth))
     top = np.argsort(-level)[:_PLACES]
     level = envelope(stress[top], loads)
     worst = int(level.argmax())

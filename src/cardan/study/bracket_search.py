@@ -25,6 +25,7 @@ from cardan.bracket.solve import weighed_apart
 from cardan.files.metals import key_of
 from cardan.model.application import Application
 from cardan.model.bracket import ZONES, Bracket, Search, Shape
+from cardan.model.material import Material
 from cardan.study.bracket import Bench, BracketAnswer, checks_of
 from cardan.study.bracket_judge import Judged, Slip
 from cardan.study.bracket_life import strengths
@@ -161,6 +162,7 @@ def search(application: Application, *, tell: Progress = hushed) -> Searched:
             except (DesignError, NotConverged) as error:
                 refused.append((sizes, str(error)))
                 return None
+            _yield_known(bracket.material, judged)
             known[key] = one = Tried(
                 sizes=sizes, mass=mass, life=judged.life, refined=refined, judged=judged,
                 slips=_slips(judged, slip), fails=_fails(bench, judged, limits),
@@ -198,6 +200,17 @@ def search(application: Application, *, tell: Progress = hushed) -> Searched:
 def named(sizes: Mapping[str, Metre]) -> str:
     """Return sizes as a name: thickness 5, flange 40 mm."""
     return ", ".join(f"{k.replace('_', ' ')} {v / mm:g}" for k, v in sizes.items()) + " mm"
+
+
+def _yield_known(material: Material, judged: Judged) -> None:
+    """Refuse to choose among shapes of which nobody knows what they yield at beside their welds."""
+    welded = any(f.beside_weld for f in judged.features)
+    if welded and material.yield_strength and not material.yield_beside_weld:
+        msg = (
+            f"a bracket to search for needs `welded_yield_MPa` of {material.name}: a weld's heat "
+            "makes it softer, and nobody says by how much"
+        )
+        raise DesignError(msg, about="bracket.material")
 
 
 def _slips(judged: Judged, limits: Sequence[Limit]) -> Slip | None:
