@@ -881,6 +881,8 @@ BRACKET = (
            "stress in contact is kept nowhere", "unit/test_bracket_safe.py::test_an_estimate_in_bolts_is_good_to_a_factor_of_two"),
     mutant("study/bracket_contact.py", "return np.ones(self.count)", "return np.zeros(self.count)",
            "bolts that slip make no fatigue", "unit/test_bracket_in_bolts.py::test_where_the_bolts_slip_stress_stays_as_told"),
+    mutant("report/bracket.py", "if v.in_bolts is None:\n            yield", "if True:\n            yield",
+           "what contact judged is told to ask for contact", "unit/test_bracket_terminal.py::test_what_pulls_a_flange_off_its_frame_is_said_and_what_judges_it"),
     mutant("study/bracket_judge.py", "scale=1.0 if case.times is None else case.times", "scale=1.0",
            "a duty cycle knows no contact", "unit/test_bracket_in_bolts.py::test_a_study_in_bolts_tells_contact_and_the_two_ways"),
     mutant("study/bracket_judge.py", "times=o.case.times, slips=share,", "times=o.case.times, slips=0.0,",

@@ -15,7 +15,7 @@ from cardan.bracket.gauges import recover
 from cardan.bracket.shape import Picked
 from cardan.model.bracket import Bolts, BracketRecording
 from cardan.report import bracket_chapter, bracket_scene
-from cardan.report.bracket import bent_far, in_contact, remarks, terminal, verdict
+from cardan.report.bracket import bent_far, in_contact, pulled_off, remarks, terminal, verdict
 from cardan.report.language import CODES, Language
 from cardan.report.terminal import bare
 from cardan.study.approval import Approval
@@ -228,14 +228,29 @@ def test_a_report_says_what_narrows_a_bar_as_the_terminal_does(code):
     assert [line for line in report_of(changed(features=wide), say) if "`element_mm`" in line]
 
 
+CONTACT = InBolts(
+    bolts=Bolts(preload=35e3), when=Occasion("case", "gvw", "combined"),
+    times=np.array([0.65, 1.0]), told=np.array([11.8, 5.0]), life_told=120.0,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_what_pulls_a_flange_off_its_frame_is_said_and_what_judges_it(code):
+    """Neither way held bounds it; in contact it has been judged, and nobody need ask for that."""
+    say = Language(code)
+    (first,) = approved("original").findings[0].answer.variants
+    assert not [*pulled_off(first, say)]
+    off = replace(first, outcomes=(replace(first.outcomes[0], pulls_off=True),))
+    said, more = pulled_off(off, say)
+    assert "11 %" in said
+    assert "`bolts`" in more
+    assert [*pulled_off(replace(off, in_bolts=CONTACT), say)] == [said]
+
+
 @pytest.mark.parametrize("code", CODES)
 def test_contact_is_told_with_the_two_ways_beside_it(code):
     """0.8 of its limit in its bolts, 11.8 times where the flange slides or is clamped."""
-    contact = InBolts(
-        bolts=Bolts(preload=35e3), when=Occasion("case", "gvw", "combined"),
-        times=np.array([0.65, 1.0]), told=np.array([11.8, 5.0]), life_told=120.0,
-    )  # fmt: skip
-    (said,) = [x for x in report_of(changed(in_bolts=contact), Language(code)) if "1180 %" in x]
+    (said,) = [x for x in report_of(changed(in_bolts=CONTACT), Language(code)) if "1180 %" in x]
     assert "80 %" in said
     assert "120" in said
 

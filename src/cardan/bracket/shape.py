@@ -86,7 +86,7 @@ class Solid:
         it; at most the whole plane is one with the frame. A real flange, which slides a
         little and lifts off a little, is as stiff as the first or stiffer, as the second or
         softer, as long as its bolts are rigid: each frees, or holds, all the other does and
-        more. Bolts that give make it up to 12 % softer than the first where it is pulled off
+        more. Bolts that give make it up to 11 % softer than the first where it is pulled off
         (`tests/verify/test_bracket_contact.py`). What is welded is held, whatever the bolts do.
         """
         names = {face.name for face in self.shape.faces}

@@ -414,10 +414,12 @@ def pulled_off(v: Judged, say: Language) -> Iterator[str]:
     if cases:
         yield say(
             "Pulled straight off the frame: {cases}. Bolts that give make a flange softer than the "
-            "softer way it is held: by 12 % on a U of 6 mm beside contact, with a tenth more "
-            "stress under the washers' rims and a third more in a cut edge beside them.",
+            "softer way it is held: by 11 % on a U of 6 mm beside contact, with a seventh more "
+            "stress in a cut edge beside its washers.",
             cases=say.list(*cases),
         )
+        if v.in_bolts is None:
+            yield say("With `bolts` what swings is judged in contact.")
 
 
 def bent_far(v: Judged, say: Language) -> Iterator[str]:

@@ -25,8 +25,8 @@ from cardan.study.bracket_life import Strength
 
 APART = 0.2
 """Share by which stress in contact may be too low: CalculiX has at most 9 % more on the same mesh
-under the same heads, 15 % with bolts that give and one pull after the other, and shapes that were
-not compared may have more (docs/bracket.md)."""
+under the same heads, 6 % with bolts that give, and shapes that were not compared may have more
+(docs/bracket.md)."""
 EASED = 1 / (1 + APART) ** 2
 """Of what is told of stress in contact its least: without that share, and as much below."""
 _LOW = 0.2
