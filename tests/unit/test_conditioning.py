@@ -1,5 +1,7 @@
 """What is wrong with a channel is found and counted, wherever the cuts fall, and kept."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
@@ -429,3 +431,22 @@ def test_crests_that_are_alike_by_chance_were_not_cut_off():
     assert "clip" not in look(np.tile(shaken(3)[:10_000], 6)).faults
     t = np.arange(60_000) / 500
     assert "clip" not in look(np.round(40 * np.sin(2 * np.pi * 50 * t) / 0.01) * 0.01).faults
+
+
+def test_a_survey_holds_no_more_of_a_longer_recording():
+    """A day of five gauges took 2.8 GB: one sample of a thousand, as a view, held its whole piece.
+
+    What has to be remembered is a sixth of a byte a sample: fingerprints, levels, heights.
+    """
+    rng, held = np.random.default_rng(1), []
+
+    def pieces():
+        for k in range(48):
+            if k == 1:
+                tracemalloc.start()
+            held.append(tracemalloc.get_traced_memory()[0])
+            yield rng.normal(size=(1, 1 << 16))
+
+    survey(pieces(), rate=RATE)
+    tracemalloc.stop()
+    assert held[-1] - held[16] < 0.3 * 31 * (1 << 16)
