@@ -1,10 +1,13 @@
 """What is wrong with a channel is found and counted, wherever the cuts fall, and kept."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from scipy.signal import butter, lfilter
 
 from cardan.base.errors import DesignError
+from cardan.fatigue.chatter import Chatter
 from cardan.fatigue.conditioning import (
     Treatment,
     band_pass,
@@ -21,6 +24,7 @@ from cardan.fatigue.conditioning import (
     zero_at_start,
 )
 from cardan.fatigue.fault import NOWHERE, Places, union
+from cardan.fatigue.hum import Listener
 from cardan.fatigue.recording import cut
 
 RATE = 1000.0
@@ -429,3 +433,52 @@ def test_crests_that_are_alike_by_chance_were_not_cut_off():
     assert "clip" not in look(np.tile(shaken(3)[:10_000], 6)).faults
     t = np.arange(60_000) / 500
     assert "clip" not in look(np.round(40 * np.sin(2 * np.pi * 50 * t) / 0.01) * 0.01).faults
+
+
+def test_a_survey_holds_no_more_of_a_longer_recording():
+    """A day of five gauges took 2.8 GB: one sample of a thousand, as a view, held its whole piece.
+
+    What has to be remembered is a sixth of a byte a sample: fingerprints, levels, heights.
+    """
+    rng, held = np.random.default_rng(1), []
+
+    def pieces():
+        for k in range(48):
+            if k == 1:
+                tracemalloc.start()
+            held.append(tracemalloc.get_traced_memory()[0])
+            yield rng.normal(size=(1, 1 << 16))
+
+    survey(pieces(), rate=RATE)
+    tracemalloc.stop()
+    assert held[-1] - held[16] < 0.3 * 31 * (1 << 16)
+
+
+def test_hum_is_heard_across_what_is_heard_together():
+    """Six seconds of it on either side of where a batch ends are no eight by themselves."""
+    rate = 500
+    t = np.arange(300 * rate) / rate
+    on = (t >= 100) & (t < 120) | (t >= 250) & (t < 262)
+    x = np.where(on, np.cos(2 * np.pi * 50 * t), 0.0)
+    x += 0.1 * np.random.default_rng(4).normal(size=t.size)
+    listener = Listener(rate)
+    for second in np.split(x, 300):
+        listener.add(second)
+    hum = listener.found(deviation=float(x.std()))
+    assert hum is not None
+    assert set(range(250, 262)) <= set(np.flatnonzero(hum.seconds[0]).tolist())
+
+
+def test_a_contact_that_chatters_is_found_in_a_channel_that_is_white(monkeypatch):
+    """Of which nearly all blocks are let go meanwhile."""
+    rng = np.random.default_rng(5)
+    x = rng.normal(size=200_000)
+    x[150_000:150_300] *= 25
+    monkeypatch.setattr("cardan.fatigue.chatter.MOST", 64)
+    chatter = Chatter()
+    for start in range(0, x.size, 5000):
+        chatter.add(x[start:], start=start, size=5000)
+        assert chatter.held < 400
+    [[first, last]] = chatter.found()
+    assert 149_900 <= first <= 150_000
+    assert 150_300 <= last <= 150_400

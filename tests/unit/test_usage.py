@@ -1,6 +1,8 @@
 """When and where damage came: seconds that add up, and what they come to in the long run."""
 
 import json
+import tracemalloc
+import weakref
 
 import jsonschema
 import numpy as np
@@ -13,9 +15,12 @@ from cardan.cli.life import life as command
 from cardan.fatigue.angle import gear_ratios
 from cardan.fatigue.correction import uncorrected
 from cardan.fatigue.damage import miner
+from cardan.fatigue.life import Plan, life
 from cardan.fatigue.long_run import long_run
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.rainflow import half_cycles, rainflow
+from cardan.fatigue.recording import in_memory
+from cardan.fatigue.strain import direct
 from cardan.fatigue.strength import SNCurve
 from cardan.fatigue.usage import (
     bands,
@@ -23,13 +28,16 @@ from cardan.fatigue.usage import (
     equal_amplitude,
     grouped,
     peaks,
+    seconds_in,
     shortened,
     usage,
 )
 from cardan.report.contract_schema import schema
+from cardan.study.usage import used
 
 CURVE = SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).elementary()
 RATE = 200.0
+PLAN = Plan(gauges=(direct("S1", "S1", factor=MPa),), curve=CURVE)
 
 
 def told(x):
@@ -453,3 +461,43 @@ def test_no_torque_is_told_where_none_was_written(tmp_path):
     first, second = told["usage"]["S1"]["peaks"][:2]
     assert first["torque_Nm"] is None
     assert second["torque_Nm"] == pytest.approx(400)
+
+
+def test_of_a_day_no_more_is_held_than_where_it_turns():
+    """A day of five gauges took a gigabyte: some arrays of a few numbers for each second of it."""
+    held = []
+
+    def pieces():
+        for k in range(16):
+            if k == 1:
+                tracemalloc.start()
+            held.append(tracemalloc.get_traced_memory()[0])
+            t = 1024 * k + np.arange(1024 * 20) / 20
+            yield 50 * MPa * np.sin(2 * np.pi * 3.0 * t)[None]
+
+    [of] = usage(pieces(), rate=20.0, curve=CURVE, correction=uncorrected, rule=half_cycles)
+    tracemalloc.stop()
+    assert of.damage.size == 16 * 1024
+    assert held[-1] - held[5] < 10 * 1024 * 200  # bytes a second, in which it turns six times
+
+
+def test_gauges_are_told_of_in_the_memory_of_one(rough):
+    """Where five of a day turned took 600 MB at once."""
+    made = []
+
+    def one():
+        made.append(weakref.ref(of := told(rough)))
+        return of
+
+    def found():
+        for k in range(3):
+            assert not any(of() for of in made), k
+            yield one()
+
+    lives = life(in_memory(rough[None] / MPa, rate=RATE, names=["S1"], units=["MPa"]), plan=PLAN)
+    answers = used(
+        found(), lives * 3, count=seconds_in(rough.size, rate=RATE), plan=PLAN, angle=None,
+        engine=None, torque=None, per_turn=np.nan,
+    )  # fmt: skip
+    assert len(answers) == 3
+    assert len({a.shortened for a in answers}) == 1

@@ -46,6 +46,8 @@ MOST = 2_500_000
 HELD, UPDATE, RARELY = 3, 1.0, 4.0
 """Readings, all alike, from which a speed is steady and not a step of a staircase; seconds in which
 it comes to its next speed at most, and seconds between readings at most as they are counted."""
+TOGETHER = 1 << 17
+"""Times at which a speed is looked up at once."""
 BESIDE = 10.0
 """Seconds beside a stretch, and its lag, of which the angle is asked with it."""
 TURNING, OFTEN = 0.35, 0.02
@@ -129,15 +131,31 @@ class Readings:
         step = float(time[1] - time[0]) if time.size > 1 else 0.0
         if self.period >= step:
             return np.interp(time, self.time, self.value)
-        each = (self.value[1:] + self.value[:-1]) / 2 * np.diff(self.time)
-        edges = np.append(time - step / 2, time[-1] + step / 2)
-        edges = np.clip(edges, self.time[0], self.time[-1])
-        before = np.clip(np.searchsorted(self.time, edges) - 1, 0, self.time.size - 2)
-        there = (self.value[before] + np.interp(edges, self.time, self.value)) / 2
-        turned = np.append(0.0, np.cumsum(each))[before] + there * (edges - self.time[before])
-        span = np.diff(edges)
-        beyond = np.interp(time, self.time, self.value)
-        return np.divide(np.diff(turned), span, out=beyond, where=span > 0)
+        turned, found = _summed(self.time, self.value), np.empty(time.size)
+        for first in range(0, time.size, TOGETHER):  # a day's are a hundred thousand at a time
+            some = time[first : first + TOGETHER + 1]
+            edges = some - step / 2
+            if first + TOGETHER >= time.size:
+                edges = np.append(edges, some[-1] + step / 2)
+            edges = np.clip(edges, self.time[0], self.time[-1])
+            before = np.clip(np.searchsorted(self.time, edges) - 1, 0, self.time.size - 2)
+            there = (self.value[before] + np.interp(edges, self.time, self.value)) / 2
+            gone = turned[before] + there * (edges - self.time[before])
+            span = np.diff(edges)
+            beyond = np.interp(some[: span.size], self.time, self.value)
+            mean = np.divide(np.diff(gone), span, out=beyond, where=span > 0)
+            found[first : first + TOGETHER] = mean
+        return found
+
+
+def _summed(time: FloatArray, speed: FloatArray) -> FloatArray:
+    """Return the turns (n,) made by times (n,) s at speeds (n,), straight between them."""
+    turns = np.zeros(time.size)
+    each = turns[1:]
+    np.add(speed[1:], speed[:-1], out=each)
+    each /= 2
+    each *= np.diff(time)
+    return np.cumsum(turns, out=turns)
 
 
 def readings(speed: FloatArray, *, rate: float) -> Readings:
@@ -164,22 +182,30 @@ def readings(speed: FloatArray, *, rate: float) -> Readings:
     if np.count_nonzero(known) < 2:
         msg = "a channel of speed needs two or more values above nought"
         raise DesignError(msg)
+    value = x[known]
+    del x  # of a day's drive each of these is 20 MB
+    fresh = np.append(True, value[1:] != value[:-1])
+    period = _period(value, fresh) / rate
     place = np.flatnonzero(known)
-    value = x[place]
-    moving = value > 0.5
-    fresh = np.append(True, np.diff(value) != 0)
-    # The usual one: a speed that is steady for a while says nothing new, and is no staircase.
-    steps = np.diff(np.flatnonzero(fresh & moving))
-    period = float(np.median(steps) if steps.size else np.count_nonzero(moving)) / rate
     if period < STAIR:
         return Readings(place / rate, value, known, period)
-    gap = np.diff(np.append(place, x.size))
+    gap = np.diff(np.append(place, known.size))
     keep = fresh | np.append(fresh[1:], True) & (gap > 1) | (value == 0)
     # A stretch of many readings is steady speed, held until the last before the next.
     start = np.append(np.flatnonzero(fresh), value.size)
     steady = np.diff(start) > HELD * min(period, RARELY) * rate
     keep[np.maximum(start[1:][steady] - max(round(min(period, UPDATE) * rate), 1), 0)] = True
     return Readings(place[keep] / rate, value[keep], known, period)
+
+
+def _period(value: FloatArray, fresh: BoolArray) -> float:
+    """Return how many samples usually pass from one value (n,) that is `fresh` to the next.
+
+    A speed that is steady for a while says nothing new, and is no staircase.
+    """
+    moving = value > 0.5
+    steps = np.diff(np.flatnonzero(fresh & moving))
+    return float(np.median(steps) if steps.size else np.count_nonzero(moving))
 
 
 @dataclass(frozen=True)
@@ -227,7 +253,9 @@ def no_value(x: FloatArray, *, rate: float, of: Scale) -> IntArray:
     known = np.stack([near * of.step, *(np.round(near * of.step, d) for d in ROUNDED)])
     written = np.zeros(x.size, bool)
     written[high] = (np.abs(x[high, None] - known) < 0.01 * of.step).any((0, 2))
-    edge = np.flatnonzero(np.diff(np.concatenate([[False], x >= of.first, [False]]).astype(int)))
+    edge = np.flatnonzero(
+        np.diff(np.concatenate([[False], x >= of.first, [False]]).astype(np.int8))
+    )
     rise = RAMP * of.last / rate
     found: list[tuple[int, int]] = []
     for a, b in zip(edge[::2].tolist(), edge[1::2].tolist(), strict=True):
@@ -328,13 +356,17 @@ def shaft_angle(
             motor = None
     geared_by = motor is not None and motor.period < STAIR and np.mean(~motor.known) < 0.005
     if motor is not None and geared_by:
-        late = _lag(own, motor, time) if stair else 0.0
-        geared, engaged = _geared(own.at(time + late), motor.at(time), told=~dark)
+        if stair and (late := _lag(own, motor, time)):
+            turning = own.at(time + late)
+        geared, engaged = _geared(turning, motor.at(time), told=~dark)
         for a, b in _runs(dark, least=1):
             engaged[a:b] &= (b - a) * step <= CARRIED
-        turning = np.where(engaged & (dark | stair), geared, own.at(time + late))
+        turning = np.where(engaged & (dark | stair), geared, turning)
         lost = (dark | stair) & ~engaged
-    if own.period < OFTEN:
+        del geared
+    often = own.period < OFTEN
+    del own, motor  # of a day's drive they are 80 MB
+    if often:
         turning = _rounded(turning, step)
     moving = turning > 1
     unsaid = lost & dark
@@ -403,7 +435,7 @@ def _stuck(speed: FloatArray, engine: FloatArray, *, rate: float) -> BoolArray:
 
 def _runs(of: BoolArray, *, least: int) -> IntArray:
     """Return runs (k, 2) of what is so for some samples; what parts two by less is none."""
-    edge = np.flatnonzero(np.diff(np.concatenate([[False], of, [False]]).astype(int)))
+    edge = np.flatnonzero(np.diff(np.concatenate([[False], of, [False]]).astype(np.int8)))
     runs = edge.reshape(-1, 2)
     apart = runs[1:, 0] - runs[:-1, 1] >= least
     first = runs[:, 0][np.append(True, apart)[: len(runs)]]
@@ -413,15 +445,15 @@ def _runs(of: BoolArray, *, least: int) -> IntArray:
 
 
 def _turned(time: FloatArray, speed: FloatArray) -> Rotation:
-    turns = np.append(0.0, np.cumsum((speed[1:] + speed[:-1]) / 2 * np.diff(time)))
-    return Rotation(time, turns)
+    return Rotation(time, _summed(time, speed))
 
 
 def _ratio(speed: FloatArray, engine: FloatArray) -> FloatArray:
     """Logarithm (n,) of shaft over engine; nan where either stands."""
     moving = (speed > 0.5) & (engine > 3.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(moving, np.log(speed / engine), np.nan)
+    ratio = np.full(speed.size, np.nan)
+    np.divide(speed, engine, out=ratio, where=moving)
+    return np.log(ratio, out=ratio, where=moving)
 
 
 def _median(x: FloatArray, half: int) -> FloatArray:
@@ -452,7 +484,8 @@ def _lag(own: Readings, motor: Readings, time: FloatArray) -> float:
 def _nearest(x: FloatArray, centres: FloatArray) -> FloatArray:
     """Return the nearest of some centres to each value (n,)."""
     rising = np.sort(centres)
-    return rising[np.searchsorted((rising[1:] + rising[:-1]) / 2, x)]
+    place = np.searchsorted((rising[1:] + rising[:-1]) / 2, x).astype(np.int16)  # gears are few
+    return rising[place]
 
 
 def _geared(
@@ -465,14 +498,15 @@ def _geared(
     """
     r = _ratio(speed, engine)
     level = _median(r, 100)
-    calm = level[~np.isnan(r) & (np.abs(r - level) < 0.02) & told]
-    centres = _gears(calm)
+    centres = _gears(level[~np.isnan(r) & (np.abs(r - level) < 0.02) & told])
     if not centres.size:
         return speed, np.zeros(speed.size, bool)
     near = _nearest(level, centres)
     # Where the median itself sits between two gears, neither is in.
     engaged = ~np.isnan(r) & (np.abs(level - near) < 0.08) & (np.abs(r - near) < 0.1)
-    return np.exp(near) * engine, engaged
+    geared = np.exp(near, out=near)
+    geared *= engine
+    return geared, engaged
 
 
 def gear_ratios(shaft: Rotation, engine: Rotation, time: ArrayLike) -> FloatArray:

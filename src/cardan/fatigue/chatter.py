@@ -28,6 +28,9 @@ LOUD, REACHES = 36.0, 0.05
 OCTAVE = 4
 """Bins of the histogram of powers, an octave."""
 ROUND = np.arange(-4096, 4096)
+MOST, FALLS = 1 << 14, 12.0
+"""Blocks that are held until those are let go that will not do, and how far the median power of all
+may yet fall: who is white for minutes is seldom louder than usual."""
 
 
 class Chatter:
@@ -38,6 +41,7 @@ class Chatter:
         self.starts: list[IntArray] = []
         self.powers: list[FloatArray] = []
         self.lines: list[FloatArray] = []
+        self.held, self.most = 0, MOST
         self.low, self.high = np.inf, -np.inf
 
     def add(self, ahead: FloatArray, *, start: int, size: int) -> None:
@@ -65,16 +69,31 @@ class Chatter:
         self.lines.append(lines[flat & even])
         self.starts.append(start + first + kept * SIZE)
         self.powers.append(power[kept])
+        self.held += kept.size
+        if self.held > self.most:
+            self._thin()
+
+    def _thin(self) -> None:
+        """Let go of blocks that are hardly louder than all: of a white channel they are a file."""
+        powers = np.concatenate(self.powers)
+        loud = powers > LOUD / FALLS * self._typical()
+        self.powers = [powers[loud]]
+        self.starts, self.lines = ([np.concatenate(x)[loud]] for x in (self.starts, self.lines))
+        self.held = self.powers[0].size
+        self.most = max(MOST, 2 * self.held)
+
+    def _typical(self) -> float:
+        """Return the median power of all blocks that moved."""
+        met = np.cumsum(self.usual)
+        return 2.0 ** (ROUND[np.searchsorted(met, met[-1] / 2)] / OCTAVE)
 
     def found(self) -> IntArray:
         """Return the runs (k, 2) of samples that are white, with what they began and ended in."""
         starts = np.concatenate([np.empty(0, np.intp), *self.starts])
         powers = np.concatenate([np.empty(0), *self.powers])
-        met = np.cumsum(self.usual)
-        if not starts.size or not met[-1]:
+        if not starts.size or not self.usual.any():
             return np.empty((0, 2), np.intp)
-        typical = 2.0 ** (ROUND[np.searchsorted(met, met[-1] / 2)] / OCTAVE)
-        least = max(LOUD * typical, 2 * (REACHES * (self.high - self.low)) ** 2)
+        least = max(LOUD * self._typical(), 2 * (REACHES * (self.high - self.low)) ** 2)
         enough = powers > least
         starts, lines = starts[enough], np.concatenate(self.lines)[enough]
         if not starts.size:

@@ -123,7 +123,7 @@ TRIED = {
 """Of innocent gauges that were called guilty, and guilty ones that were called innocent: on drives
 as they come, and on drives whose line was made to stand on its stop. Seeds 650000, 670000,
 710000 and 741000 on; 672000, 712000, 740000 and 746000 on, and of the innocent 662000 on.
-Innocent: a truth below 0.25; guilty: from 0.5."""
+Innocent: a truth below 0.25; guilty: from 0.5. `tests/verify/tried.py` counts them anew."""
 
 
 @dataclass(frozen=True, kw_only=True)

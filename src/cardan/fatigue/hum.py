@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan.base.arrays import BoolArray, ComplexArray, FloatArray
+from cardan.base.arrays import ComplexArray, FloatArray, IntArray
 
 MAINS = (50.0, 60.0)
 """Frequencies of the world's grids, Hz."""
@@ -26,6 +26,9 @@ LEAST = 0.05
 WHILE, IN_ALL = 8, 20
 """Seconds in which a steady tone is told from one that passes, and of which it has to be there in
 all, or in the whole recording: at cruise an order of a shaft holds still for some."""
+
+TOGETHER = 256
+"""Seconds that are held until it is heard which of them stand still."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +75,10 @@ class Listener:
         self.rate, self.size = rate, max(round(rate), 1)
         each = {f * k: k for k in HARMONICS for f in MAINS if f * k + 1 < 0.5 * rate}
         self.mains = sorted(each.items())
-        self.met: list[ComplexArray] = []
         self.tail: FloatArray = np.empty(0)
+        self.met = np.empty((0, len(self.mains), 3), complex)
+        self.seconds = 0
+        self.steady: list[list[_Steady]] = [[] for _ in self.mains]
         self.at = np.array([f + k for f, _ in self.mains for k in (0, -1, 1)])
 
     def add(self, x: FloatArray) -> None:
@@ -85,7 +90,22 @@ class Listener:
         rows = whole[:full].reshape(-1, self.size)
         self.tail = whole[full:].copy()
         if len(rows):
-            self.met.append(self._lines(rows) * (2 / self.size))
+            met = (self._lines(rows) * (2 / self.size)).reshape(-1, len(self.mains), 3)
+            self.met = np.concatenate([self.met, met])
+            self.seconds += len(met)
+        if len(self.met) >= TOGETHER:
+            self._hear()
+
+    def _hear(self) -> None:
+        """Keep of what was met the seconds that stand still: of a day few, if nothing hums."""
+        # A second begins whole samples after the one before: where the tone is by then.
+        first = self.seconds - len(self.met)
+        begun = (first + np.arange(len(self.met))) * self.size / self.rate
+        for n, (f, k) in enumerate(self.mains):
+            z = self.met[:, n, 0] * np.exp(-2j * np.pi * ((f * begun) % 1.0))
+            beside = (np.abs(self.met[:, n, 1:]) ** 2).mean(-1)
+            self.steady[n].append(_steady(z, beside, first=first, strays=k * STRAYS))
+        self.met = self.met[len(self.met) - (WHILE - 1) :].copy()
 
     def _lines(self, rows: FloatArray) -> ComplexArray:
         """Return the spectrum (seconds, tones) of seconds (seconds, n) at the tones looked for."""
@@ -96,19 +116,18 @@ class Listener:
 
     def found(self, *, deviation: float) -> Hum | None:
         """Return the hum in a channel of such a standard deviation; None without."""
-        if not self.met:
+        if self.seconds < WHILE:
             return None
-        met = np.concatenate(self.met).reshape(-1, len(self.mains), 3)
-        if len(met) < WHILE:
-            return None
-        # A second begins whole samples after the one before: where the tone is by then.
-        begun = np.arange(len(met)) * self.size / self.rate
+        if len(self.met) >= WHILE:
+            self._hear()
         loudest: dict[float, ComplexArray] = {}
-        for n, (f, k) in enumerate(self.mains):
-            z = met[:, n, 0] * np.exp(-2j * np.pi * ((f * begun) % 1.0))
-            beside = (np.abs(met[:, n, 1:]) ** 2).mean(-1)
-            hums = _humming(z, beside, least=LEAST * deviation, strays=k * STRAYS)
-            if hums.sum() >= min(IN_ALL, len(met)):
+        for (f, _), steady in zip(self.mains, self.steady, strict=True):
+            z, hums = np.zeros(self.seconds, complex), np.zeros(self.seconds, bool)
+            for one in steady:
+                loud = one.begins[one.typical > (LEAST * deviation) ** 2]
+                hums[(loud[:, None] + np.arange(WHILE)).ravel()] = True
+                z[one.at] = one.z
+            if hums.sum() >= min(IN_ALL, self.seconds):
                 loudest[f] = np.where(hums, z, 0.0)
         if not loudest:
             return None
@@ -117,24 +136,39 @@ class Listener:
         )
 
 
-def _humming(z: ComplexArray, beside: FloatArray, *, least: float, strays: float) -> BoolArray:
-    """Return the seconds (m,) in which a tone z (m,) stands as the mains do, for a while at least.
+@dataclass(frozen=True)
+class _Steady:
+    """Where a tone stands as the mains do, however loud: for `WHILE` from each second it `begins`.
+
+    Attributes
+    ----------
+    begins, typical : (k,)
+        Those seconds, and the tone's median power in the time from each on.
+    at, z : (m,)
+        The seconds of these times, and the tone in each.
+    """
+
+    begins: IntArray
+    typical: FloatArray
+    at: IntArray
+    z: ComplexArray
+
+
+def _steady(z: ComplexArray, beside: FloatArray, *, first: int, strays: float) -> _Steady:
+    """Return where a tone z (m,), from second `first` on, stands as the mains do.
 
     `beside` (m,) is the power of what is near it, `strays` Hz how far it may be off.
     """
-    n = min(WHILE, z.size)
     power, turned = np.abs(z) ** 2, z[1:] * np.conj(z[:-1])
 
-    def over(x: np.ndarray, size: int = n) -> np.ndarray:
+    def over(x: np.ndarray, size: int = WHILE) -> np.ndarray:
         return np.lib.stride_tricks.sliding_window_view(x, size)
 
-    own, turn = over(power), over(turned, n - 1).sum(-1)
+    own, turn = over(power), over(turned, WHILE - 1).sum(-1)
     still = np.abs(turn) > 0.93 * own[:, 1:].sum(-1)
     grid = np.abs(np.angle(turn)) < 2 * np.pi * strays
     low, typical, high = np.quantile(own, [0.1, 0.5, 0.9], axis=-1)
-    loud = (typical > least**2) & (typical > 8 * np.median(over(beside), axis=-1))
-    begins = still & grid & (low > 0.5 * high) & loud
-    hums = np.zeros(z.size, bool)
-    for k in np.flatnonzero(begins):
-        hums[k : k + n] = True
-    return hums
+    loud = typical > 8 * np.median(over(beside), axis=-1)
+    begins = np.flatnonzero(still & grid & (low > 0.5 * high) & loud)
+    at = np.unique(begins[:, None] + np.arange(WHILE))
+    return _Steady(first + begins, typical[begins], first + at, z[at])

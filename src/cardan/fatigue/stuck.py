@@ -28,7 +28,7 @@ class Codes:
 
     def add(self, x: FloatArray, *, start: int) -> None:
         """Take samples (n,) from `start` on, some of them missing (nan)."""
-        some = x[-start % self.every :: self.every]
+        some = x[-start % self.every :: self.every].copy()  # a view would hold the whole piece
         self.kept.append(some)
         self.count += some.size
         while self.count > MOST:

@@ -25,8 +25,8 @@ class Twice:
 
     def __init__(self, rate: float) -> None:
         self.rate = rate
-        self.at: list[IntArray] = []
-        self.prints: list[npt.NDArray[np.uint64]] = []
+        self.starts: list[int] = []
+        self.met: list[npt.NDArray[np.uint32]] = []
 
     def add(self, ahead: FloatArray, *, start: int, size: int) -> None:
         """Take samples from `start` on: `size` of them, and some that follow."""
@@ -42,14 +42,19 @@ class Twice:
         for k in range(LENGTH):
             told = (told ^ bits[chosen + k]) * _MIX
             told ^= told >> np.uint64(29)
-        self.at.append(chosen + start)
-        self.prints.append(told)
+        # Eight bytes each, of a day two million: half a fingerprint tells as much, where four that
+        # follow each other have to agree.
+        self.starts.append(start)
+        self.met.append(np.stack([chosen, told >> np.uint64(32)]).astype(np.uint32))
 
     def found(self) -> IntArray:
         """Return the runs (k, 2) of samples that were there before."""
         none = np.empty((0, 2), np.intp)
-        at = np.concatenate([np.empty(0, np.intp), *self.at])
-        told = np.concatenate([np.empty(0, np.uint64), *self.prints])
+        if not self.met:
+            return none
+        pieces = zip(self.starts, self.met, strict=True)
+        at = np.concatenate([start + m[0].astype(np.intp) for start, m in pieces])
+        told = np.concatenate([m[1] for m in self.met])
         order = np.argsort(told, kind="stable")
         same = told[order][1:] == told[order][:-1]
         first, again = at[order][:-1][same], at[order][1:][same]

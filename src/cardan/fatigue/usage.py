@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import ArrayLike, FloatArray, IntArray
 from cardan.fatigue.correction import Correction, uncorrected
@@ -19,7 +20,6 @@ from cardan.fatigue.rainflow import (
     ResidueRule,
     four_point,
     half_cycles,
-    join,
     reversals_of,
 )
 from cardan.fatigue.recording import cut
@@ -29,6 +29,8 @@ SECOND = 1.0
 """Length of what is told apart, s."""
 FINE = 0.01
 """Of the range that a stress had until then, by which it has to turn to be held."""
+TOGETHER = 4096
+"""Seconds that are held, and counted, at once."""
 
 
 @dataclass(frozen=True)
@@ -61,12 +63,28 @@ class Usage:
     at_low: FloatArray
     live: FloatArray
     opened: FloatArray
-    turns: tuple[FloatArray, ...]
+    turns: tuple[npt.NDArray[np.float32], ...]
+    until: IntArray
 
     @property
     def open(self) -> float:
         """Damage of what is left open."""
         return float(self.left.sum())
+
+    def turned(self, seconds: IntArray) -> npt.NDArray[np.float32]:
+        """Return where the stress turns in some seconds (k,), one after the other."""
+        until = np.append(0, self.until)
+        found: list[npt.NDArray[np.float32]] = []
+        for k in seconds.tolist():
+            block = k // TOGETHER
+            first, last = until[k : k + 2] - until[block * TOGETHER]
+            found.append(self.turns[block][first:last])
+        return np.concatenate(found)
+
+
+def seconds_in(samples: int, *, rate: float) -> int:
+    """Return how many seconds `usage` tells apart in so many samples."""
+    return -(-samples // max(round(SECOND * rate), 2))
 
 
 def usage(
@@ -89,9 +107,10 @@ class _Gauge:
 
     def __init__(self, curve: SNCurve, correction: Correction) -> None:
         self.curve, self.correction, self.residue = curve, correction, NONE
-        self.rows: list[tuple[float, ...]] = []
-        self.opened: list[tuple[IntArray, FloatArray]] = []
-        self.turns: list[FloatArray] = []
+        self.rows = np.zeros((TOGETHER, 7))  # grown as seconds come
+        self.turns: list[npt.NDArray[np.float32]] = []
+        self.blocks: list[npt.NDArray[np.float32]] = []
+        self.until: list[int] = []
         self.reach = (np.inf, -np.inf)
         self.met = np.empty(0, np.int64)
 
@@ -110,7 +129,9 @@ class _Gauge:
             at_top, at_bottom = start + i / rate, start + j / rate
             self.reach = min(self.reach[0], bottom), max(self.reach[1], top)
         low, high = self.reach
-        self.turns.append(reversals_of(x, gate=FINE * max(high - low, 0.0)))
+        turns = reversals_of(x, gate=FINE * max(high - low, 0.0)).astype(np.float32)
+        self.turns.append(turns)
+        self.until.append(turns.size + (self.until[-1] if k else 0))
         done = damages(cycles, curve=self.curve, correction=self.correction)
         began = np.full(done.size, k)
         if before.size:
@@ -118,8 +139,13 @@ class _Gauge:
             order = np.argsort(before, kind="stable")
             place = order[np.maximum(np.searchsorted(before[order], cycles.start, "right") - 1, 0)]
             began = np.where(before[place] == cycles.start, met[place], began)
-        self.opened.append((began, done))
-        self.rows.append((float(done.sum()), top, bottom, at_top, at_bottom, known.size / rate))
+        if k == len(self.rows):
+            self.rows = np.concatenate([self.rows, np.zeros_like(self.rows)])
+        self.rows[k, :6] = done.sum(), top, bottom, at_top, at_bottom, known.size / rate
+        np.add.at(self.rows[:, 6], began, done)
+        if k % TOGETHER == TOGETHER - 1:
+            self.blocks.append(np.concatenate(self.turns))
+            self.turns = []
 
     def _equivalent(self, cycles: Cycles) -> FloatArray:
         return self.correction(cycles.amplitude, (cycles.start + cycles.end) / 2)
@@ -129,13 +155,13 @@ class _Gauge:
         order = np.argsort(self.residue, kind="stable")
         ends = (order[np.searchsorted(self.residue[order], e)] for e in (legs.start, legs.end))
         when = np.maximum(*(self.met[end] for end in ends))
-        left = np.zeros(len(self.rows))
+        left = np.zeros(len(self.until))
         np.add.at(left, when, legs.count * self.curve.damage(self._equivalent(legs)))
-        damage, high, low, at_high, at_low, live = np.array(self.rows).reshape(-1, 6).T
-        began, done = (np.concatenate(v) for v in zip(*self.opened, strict=True))
-        opened = np.asarray(np.bincount(began, done, len(self.rows)), float)
+        damage, high, low, at_high, at_low, live, opened = self.rows[: left.size].T
         return Usage(
-            damage, left, high, low, at_high, at_low, live, opened, tuple(self.turns)
+            damage, left, high, low, at_high, at_low, live, opened,
+            (*self.blocks, np.concatenate([np.empty(0, np.float32), *self.turns])),
+            np.array(self.until),
         )  # fmt: skip
 
 
@@ -225,8 +251,11 @@ def shortened(
     """
 
     def done(kept: IntArray) -> float:
-        cycles, left = four_point(np.concatenate([of.turns[k] for k in np.sort(kept)]))
-        return miner(join([cycles, rule(left)]), curve=curve, correction=correction)
+        damage, left = 0.0, NONE
+        for some in np.split(np.sort(kept), range(TOGETHER, kept.size, TOGETHER)):
+            cycles, left = four_point(of.turned(some), residue=left)
+            damage += miner(cycles, curve=curve, correction=correction)
+        return damage + miner(rule(left), curve=curve, correction=correction)
 
     order = np.argsort(-(of.damage + of.opened + of.left), kind="stable")
     whole = done(order) if order.size else 0.0

@@ -40,7 +40,7 @@ from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import VETO, decided
 from cardan.fatigue.rainflow import Cycles, ResidueRule, discarded, join, repeating
 from cardan.fatigue.recording import Recording, alongside, between
-from cardan.fatigue.usage import customer, usage
+from cardan.fatigue.usage import Usage, customer, seconds_in, usage
 from cardan.files.campaign import Campaigned, Drive, Segment
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
@@ -238,7 +238,7 @@ class RecordingStudy:
         if campaign.usage and heard:
             told = _used(
                 campaign, recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
-                lives=[one for one in lives if one.heard], seconds=seconds, progress=progress,
+                lives=[one for one in lives if one.heard], samples=samples, progress=progress,
             )  # fmt: skip
         others = _otherwise(
             campaign, recording, plan, healths=healths, lives=lives, progress=progress
@@ -1024,21 +1024,29 @@ def history_of(
 
 def _used(
     campaign: Campaign, recording: Recording, plan: Plan, angle: Angle | None, *,
-    healths: dict[str, Health], lives: Sequence[GaugeLife], seconds: float,
+    healths: dict[str, Health], lives: Sequence[GaugeLife], samples: int,
     progress: room.Progress,
 ) -> tuple[Used, ...]:  # fmt: skip
     """Return when and where the damage of a plan's gauges came."""
-    stress = room.stresses(recording, plan=plan, healths=healths, name="usage", progress=progress)
-    found = usage(
-        stress, rate=recording.rate, curve=plan.curve, correction=plan.correction, rule=plan.rule
-    )
+
+    def one_by_one() -> Iterator[Usage]:
+        for gauge in plan.gauges:
+            stress = room.stresses(
+                recording, plan=replace(plan, gauges=(gauge,)), healths=healths, name="usage",
+                progress=progress,
+            )  # fmt: skip
+            yield from usage(
+                stress, rate=recording.rate, curve=plan.curve, correction=plan.correction,
+                rule=plan.rule,
+            )  # fmt: skip
+
     ratio, radius = campaign.axle_ratio, campaign.tyre_radius_m
     per_turn = math.nan if ratio is None or radius is None else TURN * radius / ratio
     return used(
-        found, lives, plan=plan, angle=angle,
+        one_by_one(), lives, count=seconds_in(samples, rate=recording.rate), plan=plan, angle=angle,
         engine=campaign.engine_of(recording) if angle is not None else None,
         torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
-        begins=recording.begins, held=angle is None or _held(angle, seconds),
+        begins=recording.begins, held=angle is None or _held(angle, samples / recording.rate),
     )  # fmt: skip
 
 

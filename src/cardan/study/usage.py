@@ -1,6 +1,6 @@
 """Where and when a recording did its damage, and what it comes to in the long run."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -75,16 +75,18 @@ class Used:
 
 
 def used(
-    found: Sequence[Usage], lives: Sequence[GaugeLife], *, plan: Plan, angle: Angle | None,
-    engine: Rotation | None, torque: tuple[FloatArray, float] | None, per_turn: float,
-    begins: float = 0.0, held: bool = True,
+    found: Iterable[Usage], lives: Sequence[GaugeLife], *, count: int, plan: Plan,
+    angle: Angle | None, engine: Rotation | None, torque: tuple[FloatArray, float] | None,
+    per_turn: float, begins: float = 0.0, held: bool = True,
 ) -> tuple[Used, ...]:  # fmt: skip
     """Return the damage of gauges by what was driven.
 
     Parameters
     ----------
     found, lives
-        Of the gauges that said something.
+        Of the gauges that said something; one after the other, in the memory of one.
+    count
+        Seconds that each tells apart.
     angle, engine
         Of the shaft, and what the engine turns, where they are known. No band, place or gear is
         told where nothing says the shaft's speed.
@@ -97,7 +99,6 @@ def used(
     held
         Whether the way there is counted with the speed beside it; unknown otherwise.
     """
-    count = max((u.damage.size for u in found), default=0)
     middle: FloatArray = np.asarray(np.arange(count) + 0.5, float)
     shaft = None if angle is None else angle.rotation
     speed = np.full(count, np.nan) if shaft is None else shaft.speed(middle)
@@ -127,43 +128,42 @@ def used(
     if not np.isnan(load).all():
         sorts["torque"] = bands(load, step=TORQUE)
     way = None if metres is None else np.append(0.0, np.cumsum(metres))
-    answers: list[Used] = []
-    for one, life in zip(found, lives, strict=True):
+
+    def gone(time: float) -> float:
+        return np.nan if way is None else float(np.interp(time, np.arange(count + 1), way))
+
+    def told(one: Usage, life: GaugeLife) -> Used:
         n = one.damage.size
         whole = float(one.damage.sum()) + one.open
 
-        def gone(time: float) -> float:
-            return np.nan if way is None else float(np.interp(time, np.arange(count + 1), way))
-
-        def placed(time: float, n: int = n) -> int:
+        def placed(time: float) -> int:
             return min(int(time), n - 1)
 
-        answers.append(
-            Used(
-                gauge=life.name,
-                groups={
-                    name: grouped(one, sort[:n], metres=None if metres is None else metres[:n])
-                    for name, sort in sorts.items()
-                },
-                open=one.open / whole if whole else 0.0,
-                places=[
-                    Place(
-                        p.stress, begins + p.time,
-                        gone(p.time),
-                        float(speed[placed(p.time)]), float(load[placed(p.time)]),
-                        gear[placed(p.time)],
-                    )
-                    for p in peaks(one)
-                ],
-                long_run=long_run(one, curve=plan.curve),
-                shortened=shortened(
-                    one, keep=KEPT, curve=plan.curve, correction=plan.correction, rule=plan.rule
-                ),
-                amplitude=equal_amplitude(whole, cycles=plan.curve.cycles, curve=plan.curve)
-                if whole > 0 else 0.0,
-            )
+        return Used(
+            gauge=life.name,
+            groups={
+                name: grouped(one, sort[:n], metres=None if metres is None else metres[:n])
+                for name, sort in sorts.items()
+            },
+            open=one.open / whole if whole else 0.0,
+            places=[
+                Place(
+                    p.stress, begins + p.time,
+                    gone(p.time),
+                    float(speed[placed(p.time)]), float(load[placed(p.time)]),
+                    gear[placed(p.time)],
+                )
+                for p in peaks(one)
+            ],
+            long_run=long_run(one, curve=plan.curve),
+            shortened=shortened(
+                one, keep=KEPT, curve=plan.curve, correction=plan.correction, rule=plan.rule
+            ),
+            amplitude=equal_amplitude(whole, cycles=plan.curve.cycles, curve=plan.curve)
+            if whole > 0 else 0.0,
         )  # fmt: skip
-    return tuple(answers)
+
+    return tuple(map(told, found, lives))  # which lets go of each before it asks for the next
 
 
 def _far(time: FloatArray, others: FloatArray) -> FloatArray:
