@@ -151,6 +151,26 @@ def test_a_gain_that_fades_is_told_by_another_gauge():
     assert [GAIN in g.vetoes for g in asked(x * fades + own[0], 0.6 * x + own[1])] == [True, True]
 
 
+@pytest.mark.parametrize("count", [3, 5])
+def test_of_many_gauges_the_one_that_stands_against_all_is_spoiled(count):
+    """At half from midway: the others keep their answers."""
+    x, rng = road(3), np.random.default_rng(8)
+    shares = np.array([0.6, 1.0, -0.4, 0.9, -1.2])[:count, None]
+    gauges = shares * x + 0.05 * rng.normal(size=(count, N))
+    gauges[1] *= np.interp(np.arange(N), [29_000, 31_000], [1.0, 0.5])
+    heard = asked(*gauges)
+    assert [g.vetoes for g in heard] == [(GAIN,) if k == 1 else () for k in range(count)]
+    assert heard[1].health["S1"].at(GAIN).sizes == pytest.approx(0.5, rel=0.1)
+
+
+def test_a_gain_that_creeps_is_told():
+    """By a third within two minutes, as of a battery that fades: nowhere does it step."""
+    x, rng = road(4), np.random.default_rng(9)
+    gauges = np.array([[1.0], [0.6], [-0.4]]) * x + 0.05 * rng.normal(size=(3, N))
+    gauges[0] *= np.linspace(1, 1.35, N)
+    assert [GAIN in g.vetoes for g in asked(*gauges)] == [True, False, False]
+
+
 def test_what_else_shakes_changes_some_bands_only():
     """From midway on both feel an order of 17 Hz three times as much: no gain did that."""
     t = np.arange(N) / RATE
@@ -159,12 +179,26 @@ def test_what_else_shakes_changes_some_bands_only():
     assert not any(GAIN in g.health[f"S{k}"].faults for k, g in enumerate(gauges))
 
 
-def test_a_ratio_needs_four_octaves():
-    power = np.ones((20, 3))
-    power[10:] = 4
-    assert changes(power, np.ones((20, 3)), np.sqrt(power)) == []
-    power = np.repeat(power[:, :1], 4, axis=1)
-    assert changes(power, np.ones((20, 4)), np.sqrt(power)) == [(10, pytest.approx(2))]
+def test_a_ratio_needs_many_bands():
+    """Seven thirds of an octave from end to end, five of which say so and none otherwise."""
+
+    def told(*bands):
+        power = np.ones((40, len(bands)))
+        power[20:] = bands
+        return changes(power, np.ones_like(power), np.sqrt(power))
+
+    assert told(4, 4, 4, 4, 4, 4) == []
+    assert told(4, 4, 4, 4, 4, 4, 4) == [(20, pytest.approx(2))]
+    assert told(4, 4, 4, 4, 4, 4, 1, 1) == []
+
+
+def test_a_force_that_comes_and_goes_changes_no_gain():
+    """In all bands at once, as blows that one gauge feels more: now and then before as well."""
+    rng = np.random.default_rng(6)
+    power = np.exp(0.02 * rng.normal(size=(60, 9)))
+    often = rng.uniform(size=60) < np.where(np.arange(60) < 30, 0.2, 0.8)
+    power[often] *= 2
+    assert changes(power, np.ones_like(power), np.sqrt(power)) == []
 
 
 def test_an_absolute_value_is_unfolded():

@@ -285,6 +285,143 @@ def drifts(x, rate, bad, rng):
     return x + scale(x) * (4 + 8 * bad) * np.linspace(0, 1, x.size)
 
 
+def sun(x, rate, bad, rng):
+    """The zero goes with the sun on the part, there and back."""
+    t = np.linspace(0, 1, x.size)
+    return x + scale(x) * (4 + 8 * bad) * np.sin(np.pi * rng.uniform(0.6, 1.4) * t) ** 2
+
+
+def lead(x, rate, bad, rng):
+    """A plug of the bridge that gains some ohms: less gain, and another zero."""
+    y = x.copy()
+    a = int(rng.uniform(0.3, 0.7) * x.size)
+    y[a:] = y[a:] * (0.85 - 0.35 * bad) + rng.choice([-1, 1]) * scale(x) * (0.5 + bad)
+    return y
+
+
+def supply(x, rate, bad, rng):
+    """A battery that fades, or an amplifier that warms: the gain goes all the time."""
+    last = 1.3 + bad
+    return x * np.linspace(1, last if rng.uniform() < 0.5 else 1 / last, x.size)
+
+
+def loose(x, rate, bad, rng):
+    """A gain that goes to another value and back, for some seconds at a time."""
+    y, n = x.copy(), int(rng.uniform(2, 6) * rate)
+    for a in spans(rng, x.size, 2 * n, 3 + int(4 * bad)):
+        y[a : a + n] *= 1.4 + bad
+    return y
+
+
+def holds(x, rate, bad, rng):
+    """Telemetry that keeps the last value while it hears nothing."""
+    y = x.copy()
+    for a in spans(rng, x.size, int(0.5 * rate), 10 + int(60 * bad)):
+        y[a : a + int(rng.uniform(0.03, 0.3) * rate) + 2] = y[a]
+    return y
+
+
+def packets(x, rate, bad, rng):
+    """Packets that overtake each other."""
+    y, n = x.copy(), max(int(rng.uniform(0.02, 0.1) * rate), 4)
+    for a in spans(rng, x.size - 2 * n, 2 * n, 10 + int(90 * bad)):
+        y[a : a + n], y[a + n : a + 2 * n] = x[a + n : a + 2 * n], x[a : a + n]
+    return y
+
+
+def again(x, rate, bad, rng):
+    """Packets that came twice, each in the place of the next."""
+    y, n = x.copy(), max(int(rng.uniform(0.02, 0.1) * rate), 4)
+    for a in spans(rng, x.size - 2 * n, 2 * n, 10 + int(90 * bad)):
+        y[a + n : a + 2 * n] = x[a : a + n]
+    return y
+
+
+def pairs(x, rate, bad, rng):
+    """Two samples lost here and there, the time closed up."""
+    keep = np.ones(x.size, bool)
+    for a in spans(rng, x.size - 2, 4, int(x.size / 4 * (0.02 + 0.2 * bad))):
+        keep[a : a + 2] = False
+    return x[keep]
+
+
+def nearest(x, rate, bad, rng):
+    """Resampled by the nearest sample of a slower one."""
+    slow = 0.7 - 0.5 * bad
+    return x[np.round(np.floor(np.arange(x.size) * slow) / slow).astype(int).clip(0, x.size - 1)]
+
+
+def generator(x, rate, bad, rng):
+    """Hum of a generator that turns with the engine, while it runs."""
+    t = np.arange(x.size) / rate
+    f = rng.uniform(0.06, 0.2) * rate
+    turned = np.cumsum(f * (1 + 0.3 * np.sin(2 * np.pi * t / rng.uniform(15, 40)))) / rate
+    on = (t % 40) < 30
+    return x + on * scale(x) * (1 + 1.5 * bad) * np.sin(2 * np.pi * turned)
+
+
+def folds(x, rate, bad, rng):
+    """A tone from above half the rate that nobody filtered: it lies somewhere, and wanders."""
+    t = np.arange(x.size) / rate
+    turned = np.cumsum(rng.uniform(0.1, 0.45) * rate + 2 * np.sin(2 * np.pi * t / 25)) / rate
+    return x + scale(x) * (0.7 + 1.5 * bad) * np.sin(2 * np.pi * turned)
+
+
+def switched(x, rate, bad, rng):
+    """Cross-talk of a line that is switched on and off."""
+    t, y = np.arange(x.size) / rate, np.zeros(x.size)
+    for a in np.cumsum(rng.uniform(0.4, 4, int(t[-1] / 0.4))):
+        y[t > a] = 1 - y[t > a]
+    return x + scale(x) * (1 + 2.5 * bad) * y
+
+
+def coarse(x, rate, bad, rng):
+    """Few codes of a converter whose range is far too wide."""
+    step = scale(x) * (0.5 + 2 * bad)
+    return np.round(x / step) * step
+
+
+def slow(x, rate, bad, rng):
+    """An amplifier of the first order."""
+    return sosfilt(butter(1, 20 - 15 * bad, fs=rate, output="sos"), x - x[0]) + x[0]
+
+
+def slews(x, rate, bad, rng):
+    """An amplifier that goes no faster."""
+    fastest, y = np.quantile(np.abs(np.diff(x)), 0.95 - 0.45 * bad), x.copy()
+    for k in range(1, x.size):
+        y[k] = y[k - 1] + min(max(x[k] - y[k - 1], -fastest), fastest)
+    return y
+
+
+def debonds(x, rate, bad, rng):
+    """A gauge that comes off: it follows pressure, and less of what pulls."""
+    m = np.median(x)
+    return m + np.where(x > m, 0.8 - 0.6 * bad, 1.0) * (x - m)
+
+
+def recovers(x, rate, bad, rng):
+    """An amplifier that is lost for a while after what was too much for it."""
+    y, m = x.copy(), np.median(x)
+    top = np.quantile(np.abs(x - m), 0.999 - 0.02 * bad)
+    n, k = int(rng.uniform(0.02, 0.1) * rate) + 1, 0
+    over = np.flatnonzero(np.abs(x - m) > top)
+    while over.size:
+        k = over[0]
+        y[k : k + n] = m
+        over = over[over > k + n]
+    return y
+
+
+def bytes_swapped(x, rate, bad, rng):
+    """Samples whose two bytes changed places."""
+    lsb = np.ptp(x) * 1.6 / 65536
+    code = (np.round((x - x.min()) / lsb) + 8000).astype(np.uint16)
+    at = rng.integers(0, x.size, 5 + int(60 * bad))
+    code[at] = code[at].byteswap()
+    return (code.astype(float) - 8000) * lsb + x.min()
+
+
 FAULTS = {
     "spikes": spikes, "clipped": clipped, "drift": drifts, "hum": hum,
     "hum on and off": hum_on_and_off, "hum that wanders": hum_wanders,
@@ -293,4 +430,9 @@ FAULTS = {
     "gain from midway": gain_from_midway, "wrapped": wrapped, "doubled": doubled,
     "lost samples": lost, "absolute": absolute, "inverted": inverted, "bends": bends,
     "smoothed": smoothed, "gain": gain, "noise": noise,
+    "sun": sun, "lead": lead, "supply": supply, "loose gain": loose, "held": holds,
+    "out of order": packets, "packets twice": again, "pairs lost": pairs, "nearest": nearest,
+    "generator": generator, "folded tone": folds, "switched": switched, "coarse": coarse,
+    "slow amplifier": slow, "slew rate": slews, "debonds": debonds, "recovers": recovers,
+    "bytes swapped": bytes_swapped,
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""Changes of a gauge's gain, by what it is held against: another gauge, or the shaft's torque.
+"""Changes of a gauge's gain, by what it is held against: another gauge.
 
 Two channels that feel the same forces keep their ratio in each band of frequencies, as long as
 nobody touches an amplifier. What shakes them may change, and with it the ratio in the bands that it
@@ -10,20 +10,36 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from cardan.base.arrays import FloatArray, IntArray
+from cardan.base.arrays import BoolArray, FloatArray, IntArray
 from cardan.fatigue.fault import Places, places
 
-SECONDS = 5.0
+SECONDS = 2.0
 """Length of a span in which channels are held against each other."""
-BANDS, FEWEST = 4, 16
-"""Octaves that have to agree, and the fewest differences in a span that say something of one."""
-ALIKE = 0.6
+LOWEST, THIRD = 16, 2 ** (1 / 3)
+"""Line of a span's spectrum that the first band begins at, and how much wider the next one is:
+narrower than a bracket's modes lie apart, so that two gauges go together in each."""
+ALIKE = 0.4
 """Coherence from which two channels feel the same forces in a band."""
-ABOUT, LEAST = 6, 3
-"""Spans to either side that are held against each other, and the fewest."""
-CHANGED, AGREED = 0.2, 0.25
-"""Least change of the logarithm of a ratio, and how far bands may differ in it, relative to it; a
-band that scatters by more than that says nothing."""
+LOOKS = (12, 5, 0.15), (36, 10, 0.1)
+"""Spans to either side that are held against each other, the fewest that say something, and the
+least change of the logarithm of a ratio: where nothing steps it may creep, or step by less."""
+BESIDE = 4
+"""Spans within which two changes are one."""
+BANDS, WIDE, MOST = 5, 7, 0.8
+"""Fewest bands that have to agree, how far apart the outermost of them lie at least, and their
+share of all that say something."""
+LEAST = 0.007
+"""Least error of the logarithm of a ratio that one is known by."""
+AGREED, ERRORS, SURE = 0.25, 1.5, 2.0
+"""How far a band may differ from the others, in changes and besides in errors of its own; and how
+many errors a change has in a band that says something."""
+USUAL = 0.9
+"""Share of the spans in which what all bands do together is less than the change: where another
+force is heard now and then, they go up and down together as well."""
+ONE_WAY = 0.25
+"""Product of the mean signs on both sides beyond which a band says which way round a channel is."""
+BLOCK = 1024
+"""Spans looked at together."""
 
 
 class Ratios:
@@ -32,11 +48,17 @@ class Ratios:
     def __init__(self, rate: float, count: int) -> None:
         self.size, self.count = max(round(SECONDS * rate), 1), count
         self.tail = np.empty((count, 0), np.float32)
+        bands = int(3 * np.log2(max(self.size // 2 / LOWEST, 1)))
+        self.edges = np.round(LOWEST * THIRD ** np.arange(bands + 1)).astype(np.intp)
+        self.window = np.hanning(self.size).astype(np.float32)
+        self.pairs = np.tril_indices(count)
         self.met: list[npt.NDArray[np.float32]] = []
 
     def add(self, x: FloatArray) -> None:
         """Take samples (channels, n) without holes."""
-        if self.count < 2:
+        from scipy.fft import rfft
+
+        if self.count < 2 or len(self.edges) <= BANDS:
             return
         whole = np.concatenate([self.tail, x.astype(np.float32)], axis=-1, dtype=np.float32)
         full = whole.shape[-1] // self.size * self.size
@@ -44,13 +66,13 @@ class Ratios:
         if not full:
             return
         rows = np.moveaxis(whole[:, :full].reshape(self.count, -1, self.size), 0, 1)
-        bands: list[npt.NDArray[np.float32]] = []
-        while rows.shape[-1] // 2 >= FEWEST:
-            a, b, c, d = (rows[..., k : rows.shape[-1] - 3 + k : 2] for k in range(4))
-            high, rows = (a - d + 3 * (c - b)) / 8, (a + d + 3 * (b + c)) / 8
-            bands.append((high @ np.swapaxes(high, -1, -2)).astype(np.float32))
-        if len(bands) >= BANDS:
-            self.met.append(np.stack(bands, 1))
+        lines = rfft((rows - rows.mean(-1, keepdims=True)) * self.window)[..., : self.edges[-1]]
+        parts = lines.view(np.float32)  # real and imaginary, side by side
+        powers: list[npt.NDArray[np.float32]] = []
+        for k in range(len(self.edges) - 1):
+            band = parts[..., 2 * self.edges[k] : 2 * self.edges[k + 1]]
+            powers.append((band @ np.swapaxes(band, -1, -2))[:, *self.pairs])
+        self.met.append(np.stack(powers, 1))
 
     def found(self) -> list[Places]:
         """Return where the gain of each channel changes, and by what factor.
@@ -61,20 +83,20 @@ class Ratios:
         if not self.met:
             return [places(()) for _ in told]
         met = np.concatenate(self.met)
-        for i in range(self.count):
-            for j in range(i):
-                own, other, both = (
-                    met[..., a, b].astype(float) for a, b in ((i, i), (j, j), (i, j))
-                )
-                for at, factor in changes(own, other, both):
-                    told[i].append((at, factor))
-                    told[j].append((at, 1 / factor))
+        at = {(int(i), int(j)): k for k, (i, j) in enumerate(zip(*self.pairs, strict=True))}
+        for i, j in at:
+            if i == j:
+                continue
+            own, other, both = (met[..., at[p]].astype(float) for p in ((i, i), (j, j), (i, j)))
+            for k, factor in changes(own, other, both):
+                told[i].append((k, factor))
+                told[j].append((k, 1 / factor))
         return [self._places(one) for one in _accused(told)]
 
     def _places(self, told: Sequence[tuple[int, float]]) -> Places:
         once: list[tuple[int, float]] = []
         for k, factor in sorted(told):
-            if not once or k - once[-1][0] > LEAST:
+            if not once or k - once[-1][0] > BESIDE:
                 once.append((k, factor))
         at = [k * self.size for k, _ in once]
         return places([(k, k + 1) for k in at], [factor for _, factor in once])
@@ -84,7 +106,7 @@ def _accused(told: list[list[tuple[int, float]]]) -> list[list[tuple[int, float]
     """Keep of each channel the changes that no other shows against more channels."""
 
     def heard(one: list[tuple[int, float]], at: int) -> int:
-        return sum(abs(k - at) <= LEAST for k, _ in one)
+        return sum(abs(k - at) <= BESIDE for k, _ in one)
 
     return [
         [c for c in one if heard(one, c[0]) >= max(heard(other, c[0]) for other in told)]
@@ -97,44 +119,97 @@ def changes(own: FloatArray, other: FloatArray, both: FloatArray) -> list[tuple[
 
     Powers of two channels in spans and bands (m, b), and what they have in common.
     """
-    if len(own) < 2 * LEAST:
+    if own.shape[-1] < BANDS:
         return []
     with np.errstate(divide="ignore", invalid="ignore"):
         known = both**2 > ALIKE * own * other
         ratio = np.where(known, np.log(own / other) / 2, np.nan)
-        sign = np.where(known, np.sign(both), np.nan)
-    pad = np.full((ABOUT, own.shape[-1]), np.nan)
+    sign = np.where(known, np.sign(both), np.nan)
+    return next(filter(None, (_changes(ratio, sign, *look) for look in LOOKS)), [])
 
-    def windows(x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return what lies before and behind each span, (m - ABOUT + 1, b, ABOUT)."""
-        every = np.lib.stride_tricks.sliding_window_view(np.vstack([pad, x, pad]), ABOUT, axis=0)
-        return every[:-ABOUT], every[ABOUT:]
 
-    (before, n), (behind, m) = map(_median, windows(ratio))
-    heard = (n >= LEAST) & (m >= LEAST)
-    change = np.where(heard, behind - before, np.nan)
-    scatter = np.maximum(
-        *(_median(np.abs(w - mid[..., None]))[0] for w, mid in zip(
-            windows(ratio), (before, behind), strict=True)
-        )
-    )  # fmt: skip
-    bar = AGREED * np.abs(_median(change)[0])
-    change = np.where(scatter < bar[:, None], change, np.nan)  # else it says nothing
-    middle, bands = _median(change)
-    off = np.where(np.isnan(change), 0.0, np.abs(change - middle[:, None])).max(-1)
-    by = np.where((bands >= BANDS) & (np.abs(middle) > CHANGED) & (off <= bar), middle, 0.0)
-    turned = np.multiply(*(_median(w)[0] for w in windows(sign)))
-    over = (~heard | (turned < 0)).all(-1) & (heard.sum(-1) >= BANDS)
-    # The median is as large some spans before and behind: it changes where the mean does most.
-    full = np.abs(np.nan_to_num(_mean(windows(ratio)[1]) - _mean(windows(ratio)[0]))).mean(-1)
+def _changes(
+    ratio: FloatArray, sign: FloatArray, about: int, fewest: int, least: float
+) -> list[tuple[int, float]]:
+    """Return the same of the logarithm of a ratio and its sign (m, b), in one look at it."""
+    if len(ratio) < 2 * fewest:
+        return []
+    sides = [_windows(x, about) for x in (ratio, sign)]
+    parts = [slice(k, k + BLOCK) for k in range(0, len(ratio) + 1, BLOCK)]
+    looked = [
+        _looked(*(w[p] for of in sides for w in of), fewest=fewest, least=least) for p in parts
+    ]
+    by, clear = (np.concatenate(part) for part in zip(*looked, strict=True))
     kept: list[tuple[int, float]] = []
-    for k in np.argsort(-full - 10 * over, kind="stable"):
-        factor = (-1 if over[k] else 1) * float(np.exp(by[k]))
+    for k in np.argsort(-clear, kind="stable"):
+        factor = float(by[k])
         if factor != 1 and all(
-            abs(k - one) >= (ABOUT if (factor > 1) == (other > 1) else LEAST) for one, other in kept
+            abs(k - one) >= (about if (factor > 1) == (other > 1) else fewest)
+            for one, other in kept
         ):
             kept.append((int(k), factor))
     return sorted(kept)
+
+
+def _windows(x: FloatArray, about: int) -> tuple[FloatArray, FloatArray]:
+    """Return what lies before and behind each span (m, b), and the end: (m + 1, b, about)."""
+    pad = np.full((about, x.shape[-1]), np.nan)
+    every = np.lib.stride_tricks.sliding_window_view(np.vstack([pad, x, pad]), about, axis=0)
+    return every[:-about], every[about:]
+
+
+def _looked(
+    before: FloatArray, behind: FloatArray, sign: FloatArray, turned: FloatArray, *,
+    fewest: int, least: float,
+) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    """Return by what a gain changes at spans (k,), 1 where none does, and how clearly.
+
+    Logarithms of the ratio on both sides (k, b, spans), and which way round the two are.
+    """
+    (a, n, e), (b, m, f) = map(_middle, (before, behind))
+    heard = (n >= fewest) & (m >= fewest)
+    change, error = np.where(heard, b - a, 0.0), np.where(heard, np.hypot(e, f), np.inf)
+    common = _weighted_median(change, 1 / error)
+    size = np.abs(common)[:, None]
+    says = heard & (error < size / SURE)
+    same = says & (np.abs(change - common[:, None]) <= AGREED * size + ERRORS * error)
+    rest = np.concatenate([before - a[..., None], behind - b[..., None]], -1)
+    together, _ = _median(np.moveaxis(np.where(says[..., None], rest, np.nan), 1, 2))
+    with np.errstate(invalid="ignore"):
+        steady = (np.abs(together) >= size).sum(-1) <= (1 - USUAL) * (~np.isnan(together)).sum(-1)
+    over = np.where(heard, _mean(sign) * _mean(turned), 0.0)
+    inverted = _most(over < -ONE_WAY, np.abs(over) > ONE_WAY)
+    larger = _most(same, says) & steady & (size[:, 0] > least)
+    # The medians are as far apart some spans before and behind: the means are most where it is.
+    apart, flip = (
+        np.where(heard, np.abs(_mean(y) - _mean(x)), 0.0).sum(-1) / np.maximum(heard.sum(-1), 1)
+        for x, y in ((before, behind), (sign, turned))
+    )
+    factor = np.where(larger, np.exp(common), 1.0) * np.where(inverted, -1.0, 1.0)
+    return factor, apart + 10 * inverted * flip
+
+
+def _most(some: BoolArray, of: BoolArray) -> BoolArray:
+    """Return where of bands (k, b) enough are so, far enough from each other (k,)."""
+    first, last = np.argmax(some, -1), some.shape[-1] - 1 - np.argmax(some[:, ::-1], -1)
+    count = some.sum(-1)
+    return (count >= BANDS) & (count >= MOST * of.sum(-1)) & (last - first >= WIDE - 1)
+
+
+def _middle(x: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Return the median along the last axis, how many it is of, and its standard error."""
+    middle, count = _median(x)
+    spread, _ = _median(np.abs(x - middle[..., None]))
+    # Of normal noise: 1.48 median deviations are one standard one, and a median 1.25 times worse.
+    return middle, count, np.hypot(1.86 * spread / np.sqrt(np.maximum(count, 1)), LEAST)
+
+
+def _weighted_median(x: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return what half of the weight of x (k, b) is below, (k,)."""
+    order = np.argsort(x, axis=-1)
+    below = np.cumsum(np.take_along_axis(weight, order, -1), -1)
+    at = np.argmax(below >= below[:, -1:] / 2, -1)
+    return np.take_along_axis(x, np.take_along_axis(order, at[:, None], -1), -1)[:, 0]
 
 
 def _mean(x: FloatArray) -> FloatArray:
