@@ -36,8 +36,8 @@ _AS_THICK = 1.75
 _ALONG = np.cos(np.radians(20))
 """Of the angle between a bore and the shaft's direction: shafts slope by less."""
 _BESIDE = 0.5
-"""Radii of a seat's bore, beyond whose ends its bearing's centre may lie: bearings are no wider than
-their bore's radius, and one that is as wide touches the seat from there at least."""
+"""Radii of a seat's bore, beyond whose ends its bearing's centre may lie: bearings are no wider
+than their bore's radius, and one that is as wide touches the seat from there at least."""
 _TIE = 0.01
 """mm, by which another face may be farther from a point that picks one."""
 _PAD = 4.0

@@ -328,7 +328,7 @@ def _cycles(
     """
     orders = _orders(passes, worth)
     count = int(orders.max(initial=1))
-    if len(orders) > _ORDERS:
+    if count == 1 or len(orders) > _ORDERS:
         return [(largest, count)]
     whole = _up_and_down(stress, passes, orders) / 4
     return [(largest, 1), *((np.minimum(largest, whole / k), 1) for k in range(2, count + 1))]
@@ -341,11 +341,11 @@ def _up_and_down(stress: FloatArray, passes: FloatArray, orders: IntArray) -> Fl
     amplitude each time it comes back, and a cycle four times its own.
     """
     waves = np.fft.rfft(passes, axis=1)[:, orders] * 2 / passes.shape[1]
-    far = np.zeros(stress.shape[:2])
+    every, far = stress.reshape(-1, stress.shape[-1]), np.zeros(stress[..., 0].size)
     for wave in waves:
-        size = np.hypot(stress @ wave.real.T, stress @ wave.imag.T)
+        size = np.hypot(every @ wave.real.T, every @ wave.imag.T)
         far = np.maximum(far, 4 * size @ orders)
-    return far
+    return far.reshape(stress.shape[:2])
 
 
 def _orders(passes: FloatArray, worth: FloatArray | float) -> IntArray:

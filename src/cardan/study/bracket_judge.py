@@ -918,13 +918,12 @@ def _stressed_most(
     """
     unit = way.unit[at]
     # Its square is a sum of squares, so an ellipsoid's is at most that of all its axes.
-    most = np.array([
-        (
-            von_mises(superpose(unit, of.middle[None]))[:, 0]
-            + sum(np.linalg.norm(von_mises(superpose(unit, a.T)), axis=1) for a in of.axes)
-        ).max()
-        for of in reaches
-    ])  # fmt: skip
+    each = [[of.middle[None], *(axes.T for axes in of.axes)] for of in reaches]
+    parts = [part for row in each for part in row]
+    sizes = von_mises(superpose(unit, np.concatenate(parts)))
+    ends = np.cumsum([len(part) for part in parts])[:-1]
+    far = np.stack([np.linalg.norm(part, axis=1) for part in np.split(sizes, ends, axis=1)])
+    most = np.add.reduceat(far, np.cumsum([0, *map(len, each[:-1])])).max(axis=1)
     for k in np.argsort(-most).tolist():
         if most[k] > found.max():
             found[k] = max(found[k], float(envelope(unit, points[k]).max()))
