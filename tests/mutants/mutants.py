@@ -817,8 +817,6 @@ RECORDED = (
            "unit/test_conditioning.py::test_a_survey_holds_no_more_of_a_longer_recording"),
     mutant("fatigue/chatter.py", "if self.held > self.most:", "if False:", "a white channel is held whole",
            "unit/test_conditioning.py::test_a_contact_that_chatters_is_found_in_a_channel_that_is_white"),
-    mutant("fatigue/chatter.py", "LOUD / FALLS * self._typical()", "LOUD * FALLS * self._typical()", "what is louder than usual is let go",
-           "unit/test_conditioning.py::test_a_contact_that_chatters_is_found_in_a_channel_that_is_white"),
     mutant("fatigue/hum.py", "self.met[len(self.met) - (WHILE - 1) :]", "self.met[len(self.met) :]", "hum ends where a batch does",
            "unit/test_conditioning.py::test_hum_is_heard_across_what_is_heard_together"),
     mutant("fatigue/usage.py", "if k % TOGETHER == TOGETHER - 1:", "if False:", "each second of a day is an array",

@@ -473,7 +473,7 @@ def test_a_contact_that_chatters_is_found_in_a_channel_that_is_white(monkeypatch
     """Of which nearly all blocks are let go meanwhile."""
     rng = np.random.default_rng(5)
     x = rng.normal(size=200_000)
-    x[150_000:150_300] *= 25
+    x[150_000:150_300] *= 12
     monkeypatch.setattr("cardan.fatigue.chatter.MOST", 64)
     chatter = Chatter()
     for start in range(0, x.size, 5000):

@@ -78,14 +78,15 @@ class Chatter:
         powers = np.concatenate(self.powers)
         loud = powers > LOUD / FALLS * self._typical()
         self.powers = [powers[loud]]
-        self.starts, self.lines = ([np.concatenate(x)[loud]] for x in (self.starts, self.lines))
+        self.starts = [np.concatenate(self.starts)[loud]]
+        self.lines = [np.concatenate(self.lines)[loud]]
         self.held = self.powers[0].size
         self.most = max(MOST, 2 * self.held)
 
     def _typical(self) -> float:
         """Return the median power of all blocks that moved."""
         met = np.cumsum(self.usual)
-        return 2.0 ** (ROUND[np.searchsorted(met, met[-1] / 2)] / OCTAVE)
+        return float(2.0 ** (ROUND[np.searchsorted(met, met[-1] / 2)] / OCTAVE))
 
     def found(self) -> IntArray:
         """Return the runs (k, 2) of samples that are white, with what they began and ended in."""
