@@ -28,18 +28,21 @@ BESIDE = 4
 BANDS, WIDE, MOST = 5, 7, 0.8
 """Fewest bands that have to agree, how far apart the outermost of them lie at least, and their
 share of all that say something."""
-LEAST = 0.007
-"""Least error of the logarithm of a ratio that one is known by."""
+ERROR, LEAST = 1.86, 0.007
+"""Error of the median of one sample in median deviations, of normal noise: 1.48 of them are one
+standard one, and a median is 1.25 times worse than a mean; and the least error of a band."""
 AGREED, ERRORS, SURE = 0.25, 1.5, 2.0
 """How far a band may differ from the others, in changes and besides in errors of its own; and how
 many errors a change has in a band that says something."""
 USUAL = 0.9
 """Share of the spans in which what all bands do together is less than the change: where another
 force is heard now and then, they go up and down together as well."""
+TOGETHER = 5.0
+"""Errors that a change has by what all bands do together: there are many places to choose from."""
 ONE_WAY = 0.25
 """Product of the mean signs on both sides beyond which a band says which way round a channel is."""
-BLOCK = 1024
-"""Spans looked at together."""
+OFTEN, BLOCK = 6, 1024
+"""How often a change is asked for within what it is held against, and how many times at once."""
 
 
 class Ratios:
@@ -135,27 +138,27 @@ def _changes(
     if len(ratio) < 2 * fewest:
         return []
     sides = [_windows(x, about) for x in (ratio, sign)]
-    parts = [slice(k, k + BLOCK) for k in range(0, len(ratio) + 1, BLOCK)]
+    parts = [slice(k, k + BLOCK) for k in range(0, len(sides[0][0]), BLOCK)]
     looked = [
         _looked(*(w[p] for of in sides for w in of), fewest=fewest, least=least) for p in parts
     ]
     by, clear = (np.concatenate(part) for part in zip(*looked, strict=True))
     kept: list[tuple[int, float]] = []
-    for k in np.argsort(-clear, kind="stable"):
-        factor = float(by[k])
+    for place in np.argsort(-clear, kind="stable"):
+        k, factor = int(place) * (about // OFTEN), float(by[place])
         if factor != 1 and all(
             abs(k - one) >= (about if (factor > 1) == (other > 1) else fewest)
             for one, other in kept
         ):
-            kept.append((int(k), factor))
+            kept.append((k, factor))
     return sorted(kept)
 
 
 def _windows(x: FloatArray, about: int) -> tuple[FloatArray, FloatArray]:
-    """Return what lies before and behind each span (m, b), and the end: (m + 1, b, about)."""
+    """Return what lies before and behind spans (m, b), as many as are looked at: (k, b, about)."""
     pad = np.full((about, x.shape[-1]), np.nan)
     every = np.lib.stride_tricks.sliding_window_view(np.vstack([pad, x, pad]), about, axis=0)
-    return every[:-about], every[about:]
+    return every[: -about : about // OFTEN], every[about :: about // OFTEN]
 
 
 def _looked(
@@ -174,9 +177,10 @@ def _looked(
     says = heard & (error < size / SURE)
     same = says & (np.abs(change - common[:, None]) <= AGREED * size + ERRORS * error)
     rest = np.concatenate([before - a[..., None], behind - b[..., None]], -1)
-    together, _ = _median(np.moveaxis(np.where(says[..., None], rest, np.nan), 1, 2))
-    with np.errstate(invalid="ignore"):
-        steady = (np.abs(together) >= size).sum(-1) <= (1 - USUAL) * (~np.isnan(together)).sum(-1)
+    together = np.abs(_median(np.moveaxis(np.where(says[..., None], rest, np.nan), 1, 2))[0])
+    off, count = _median(together)
+    steady = (together >= size).sum(-1) <= (1 - USUAL) * count
+    steady &= size[:, 0] > TOGETHER * 2 * ERROR * off / np.sqrt(np.maximum(count, 1))
     over = np.where(heard, _mean(sign) * _mean(turned), 0.0)
     inverted = _most(over < -ONE_WAY, np.abs(over) > ONE_WAY)
     larger = _most(same, says) & steady & (size[:, 0] > least)
@@ -200,8 +204,7 @@ def _middle(x: FloatArray) -> tuple[FloatArray, IntArray, FloatArray]:
     """Return the median along the last axis, how many it is of, and its standard error."""
     middle, count = _median(x)
     spread, _ = _median(np.abs(x - middle[..., None]))
-    # Of normal noise: 1.48 median deviations are one standard one, and a median 1.25 times worse.
-    return middle, count, np.hypot(1.86 * spread / np.sqrt(np.maximum(count, 1)), LEAST)
+    return middle, count, np.hypot(ERROR * spread / np.sqrt(np.maximum(count, 1)), LEAST)
 
 
 def _weighted_median(x: FloatArray, weight: FloatArray) -> FloatArray:
