@@ -21,8 +21,8 @@ TOLD = {
     "spikes": 0.9, "clipped": 0.9, "drift": 0.9, "hum": 0.9, "hum on and off": 0.9,
     "hum that wanders": 0.9, "stuck bit": 0.85, "chatter": 0.85, "contact lost": 0.85,
     "steps": 0.85, "pulses": 0.75, "ignition": 0.75, "gain for a while": 0.9,
-    "gain from midway": 0.85, "supply": 0.75, "lead": 0.75, "wrapped": 0.8, "doubled": 0.7, "absolute": 0.9,
-    "inverted": 0.7,
+    "gain from midway": 0.85, "supply": 0.75, "lead": 0.75, "wrapped": 0.8, "doubled": 0.7,
+    "absolute": 0.9, "inverted": 0.7,
 }  # fmt: skip
 """Least share that is vetoed of what a fault puts off by more than a fifth. Of what leaves no mark
 (bends, smoothed, gain, noise) none has to be."""
