@@ -708,9 +708,9 @@ def test_fix_says_why_nothing_is_proposed_where_a_move_would_help():
     """The van's shim answers its joint angle, and passes what another joint may accelerate by."""
     said = " ".join(run("fix", EXAMPLES / "van.yaml").stdout.split())
     assert said.startswith("Nothing that may be moved, within `adjust`")
-    assert "pinion nose up 1 deg gives 1.826, but then fail: Acceleration of a joint" in said
+    assert "pinion nose up 1 deg gives 2.518, but then fail: Acceleration of a joint" in said
     told = " ".join(run("check", EXAMPLES / "van.yaml").stdout.split())
-    assert "pinion nose up 1 deg gives 1.826, but then fail: Acceleration of a joint" in told
+    assert "pinion nose up 1 deg gives 2.518, but then fail: Acceleration of a joint" in told
 
 
 def test_a_proposal_tells_what_it_spoils():

@@ -249,11 +249,11 @@ def test_a_limit_above_an_angle_asks_only_there(truck):
 def test_a_limit_asks_in_its_own_states_alone(truck):
     """A kind of state, not a name: what is parked on a kerb counts as given, and rides."""
     kinds = {s.name: s.counts_as for s in truck.states}
-    for kind in ({"gvw"}, {"windup", "jounce"}, KIND_GROUPS["riding"], KIND_GROUPS["stops"]):
-        limit = replace(TORSIONAL, states=frozenset(kind))
+    for group in ({"gvw"}, {"windup", "jounce"}, KIND_GROUPS["riding"], KIND_GROUPS["stops"]):
+        limit = replace(TORSIONAL, states=frozenset(group))
         found = assess(only(truck, limit))
         states = {c.state for c in found.checks if c.quantity == limit.quantity}
-        assert states == {name for name, kind in kinds.items() if kind in asked}
+        assert states == {name for name, kind in kinds.items() if kind in group}
         assert states
         assert found.coverage.unanswered == ()
 

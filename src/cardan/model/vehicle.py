@@ -2,7 +2,7 @@
 
 import itertools
 from dataclasses import field
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -359,4 +359,8 @@ class Suspension:
         )  # fmt: skip
         if wrong := failing(self.unsprung_mass >= 0, self.unsprung_mass):
             msg = f"unsprung_mass of a suspension must be 0 or more, got {wrong[0]:g}"
+            raise DesignError(msg)
+        if self.reference not in get_args(StandingState):
+            fit = ", ".join(get_args(StandingState))
+            msg = f"reference of a suspension must be one of {fit}: {self.reference}"
             raise DesignError(msg)
