@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import repeat, tee, zip_longest
+from itertools import islice, repeat, tee
 from typing import TypeAlias
 
 import numpy as np
@@ -33,7 +33,7 @@ from cardan.fatigue.cause import (
     held_against,
     parts_of,
 )
-from cardan.fatigue.conditioning import Health, finer, low_pass, no_zero, survey, treated
+from cardan.fatigue.conditioning import BETWEEN, Health, finer, low_pass, no_zero, survey, treated
 from cardan.fatigue.correction import Correction, uncorrected
 from cardan.fatigue.damage import Life, damage_exponent, miner, nearly, repeats_at
 from cardan.fatigue.evidence import (
@@ -486,17 +486,24 @@ def counted(
     )  # fmt: skip
     sharp = [k for k, g in enumerate(gauges) if g.sharp]
     coarse, fine = tee(felt) if sharp else (felt, iter(()))
-    between = finer(x[:, sharp] for x in fine)
+    # Of each sample there are so many more, of every gauge in every way.
+    few = SIZE // BETWEEN
+    between = finer(cut((x[:, sharp] for x in fine), size=few))
     with ThreadPoolExecutor(4) as pool:
-        for piece, more in zip_longest(coarse, between):
-            jobs = []
-            if piece is not None:
-                samples += piece.shape[-1]
-                jobs = [pool.submit(g.add, piece[:, k]) for k, g in enumerate(gauges)]
-            if more is not None:
-                jobs += [pool.submit(gauges[k].sharpen, more[:, m]) for m, k in enumerate(sharp)]
+
+        def sharpened(pieces: Iterable[FloatArray]) -> None:
+            for more in pieces:
+                jobs = [pool.submit(gauges[k].sharpen, more[:, m]) for m, k in enumerate(sharp)]
+                for job in jobs:
+                    job.result()
+
+        for piece in coarse:
+            samples += piece.shape[-1]
+            jobs = [pool.submit(g.add, piece[:, k]) for k, g in enumerate(gauges)]
+            sharpened(islice(between, -(-piece.shape[-1] // few)))
             for job in jobs:
                 job.result()
+        sharpened(between)
     return [g.result(samples, distance) for g in gauges]
 
 
