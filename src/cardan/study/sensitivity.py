@@ -52,7 +52,7 @@ class Sensitivity:
     """A check that does not pass, and what could be moved about it, most helpful first.
 
     What helps without harm elsewhere comes before what helps with it.
-    It is that of the worst of `states`, in which it does not pass.
+    `check` is that of the worst of `states`, in which it does not pass.
     """
 
     check: Check
