@@ -5,12 +5,14 @@ VENV := .venv
 BIN := $(if $(filter Windows_NT,$(OS)),$(VENV)/Scripts,$(VENV)/bin)
 PIP := $(BIN)/python -m pip --quiet --disable-pip-version-check
 PAGE := src/cardan/web/static/index.html
+# Two cores; the slowest are told, for what grows unseen ends in a time limit.
+PYTEST = $(BIN)/python -m pytest -q -n 2 --dist worksteal --durations 15 --durations-min 5
 INSTALL = $(PIP) install --constraint constraints.txt --editable
 
 # Matrices are small: BLAS threads of its own only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: check serve test texts bracket lint docs oracle office browser front pictures slow mutants bench clean
+.PHONY: check serve test texts bracket slip lint docs oracle office browser front pictures slow mutants bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
@@ -19,7 +21,7 @@ serve: $(VENV)/cardan-web $(PAGE)   ## the workbench, in the browser
 	@$(BIN)/cardan serve $(FILE)
 
 test: $(VENV)/cardan-test   ## the whole test suite
-	$(BIN)/python -m pytest -n 2 --dist worksteal -q
+	$(PYTEST)
 
 texts: $(VENV)/cardan-test  ## what has no translation yet, by language
 	$(BIN)/python -m pytest -q tests/unit/test_texts.py tests/unit/test_report.py -k "texts or translated or catalogue or language"
@@ -34,18 +36,21 @@ docs: $(VENV)/cardan-docs   ## the documentation site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 oracle: $(VENV)/cardan-oracles $(VENV)/cardan-test  ## results against independent multibody engines
-	$(BIN)/python -m pytest -q -m "oracle and not bracket"
+	$(PYTEST) -m "oracle and not bracket"
 
 bracket: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## the bracket's tests; with CalculiX, where it is installed, beside it
-	$(BIN)/python -m pytest -q -m "bracket and not oracle and not browser"
-	@if command -v ccx >/dev/null; then $(BIN)/python -m pytest -q -m "bracket and oracle"; \
+	$(PYTEST) -m "bracket and not oracle and not browser"
+	@if command -v ccx >/dev/null; then $(PYTEST) --dist loadscope -m "bracket and oracle and not slow"; \
 	else echo "CalculiX is not installed (apt-get install calculix-ccx): not compared with it"; fi
 
+slip: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## contact CalculiX seeks for an hour: by hand
+	$(PYTEST) --dist loadscope -m "bracket and oracle and slow"
+
 office: $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
-	$(BIN)/python -m pytest -q -m office tests/office
+	$(BIN)/python -m pytest -q -m "office" tests/office
 
 browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core $(PAGE)  ## pages read in Chromium
-	$(BIN)/python -m pytest -q -m browser tests/browser
+	$(BIN)/python -m pytest -q -m "browser" tests/browser
 
 pictures: $(VENV)/cardan-browser $(VENV)/cardan-test $(PAGE)   ## the workbench's pictures in docs, taken anew
 	$(BIN)/python docs/pictures.py
@@ -54,7 +59,7 @@ front: web/node_modules   ## the workbench's page: types and unit tests
 	cd web && npm run --silent types && npm run --silent test
 
 slow: $(VENV)/cardan-test  ## what takes minutes: hundreds of recordings made to mislead
-	$(BIN)/python -m pytest -q -m "slow and not bracket and not oracle" -n 2
+	$(PYTEST) -m "slow and not bracket and not oracle"
 
 mutants: $(VENV)/cardan-test  ## small wrong changes, one by one: each must turn a test red
 	$(BIN)/python tests/mutants

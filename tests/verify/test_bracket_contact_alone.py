@@ -47,13 +47,18 @@ ALL = (0, 0, 1), (0, 0, -1), (0, 1, 0)
 PULLS = {
     "u": (U, *ALL), "l": (L, *ALL[1:]), "u with gussets": (RIBBED, *ALL), "step": (DRAWN, *ALL),
 }  # fmt: skip
+LONG = "u with gussets", "step"
+"""CalculiX seeks their slip for a quarter of an hour and more a pull: `make slip`, by hand."""
 HOLE = 11 * mm
 """Of each of them."""
 FORCE, PRELOAD = 2000.0, 34.5e3
 KINDS = {SHEET: "sheet", CUT: "cut edge", TOE: "weld toe", BORDER: "bolt border"}
 
 
-@pytest.fixture(scope="module", params=PULLS)
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(k, marks=[pytest.mark.slow] * (k in LONG)) for k in PULLS],
+)
 def worst(request, tmp_path_factory):
     """Highest stress (zones, pulls) on a hard frame, on the worse of both, and in CalculiX.
 
