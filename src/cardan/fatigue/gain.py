@@ -85,12 +85,15 @@ class Ratios:
         told: list[list[tuple[int, float]]] = [[] for _ in range(self.count)]
         if not self.met:
             return [places(()) for _ in told]
-        met = np.concatenate(self.met)
         at = {(int(i), int(j)): k for k, (i, j) in enumerate(zip(*self.pairs, strict=True))}
         for i, j in at:
             if i == j:
                 continue
-            own, other, both = (met[..., at[p]].astype(float) for p in ((i, i), (j, j), (i, j)))
+            # Of a day of many gauges all at once would be as much again.
+            own, other, both = (
+                np.concatenate([met[..., at[p]] for met in self.met], dtype=float)
+                for p in ((i, i), (j, j), (i, j))
+            )
             for k, factor in changes(own, other, both):
                 told[i].append((k, factor))
                 told[j].append((k, 1 / factor))

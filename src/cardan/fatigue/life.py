@@ -76,6 +76,7 @@ from cardan.fatigue.recording import SIZE, Recording, cut
 from cardan.fatigue.response import Identified, identified
 from cardan.fatigue.spectral import (
     Spectrum,
+    Welch,
     dirlik,
     periodograms,
     rayleigh,
@@ -235,14 +236,20 @@ class _Loud:
     def __init__(self, plan: Plan, rate: float) -> None:
         self.slope, self.rate = plan.curve.slope, rate
         self.most = self.weight = self.share = 0.0
+        self.tail = NONE
 
     def add(self, stress: FloatArray) -> None:
         """Take a piece of it (n,)."""
-        rows = stress[: stress.size // self.SIZE * self.SIZE].reshape(-1, self.SIZE)
+        x = np.concatenate([self.tail, stress])
+        full = x.size // self.SIZE * self.SIZE
+        rows, self.tail = x[:full].reshape(-1, self.SIZE), x[full:].copy()
+        if not full:
+            return
         reach = np.ptp(rows, axis=-1)
         # Half as far does a thirtieth of the damage; nan reaches nowhere.
-        self.most = max(self.most, float(np.fmax.reduce(reach, initial=0.0)))
-        loud = reach > self.most / 2
+        so_far = np.fmax(np.fmax.accumulate(reach), self.most)
+        self.most = float(so_far[-1])
+        loud = reach > so_far / 2
         if not loud.any():
             return
         frequency, power = periodograms(rows[loud].ravel(), rate=self.rate, segment=self.SIZE)
@@ -263,10 +270,8 @@ class _Count(_Tally):
 
     def __init__(self, plan: Plan, rate: float) -> None:
         super().__init__(plan)
-        self.rate, self.matrix = rate, FromTo.empty()
-        self.power: FloatArray = np.zeros(plan.segment // 2 + 1)
-        self.segments = self.live = 0
-        self.loud = _Loud(plan, rate)
+        self.rate, self.matrix, self.live = rate, FromTo.empty(), 0
+        self.loud, self.welch = _Loud(plan, rate), Welch(rate, plan.segment)
 
     def add(self, stress: FloatArray) -> Cycles:
         cycles = super().add(stress)
@@ -276,17 +281,10 @@ class _Count(_Tally):
     def hear(self, stress: FloatArray) -> None:
         self.live += int(np.count_nonzero(~np.isnan(stress)))
         self.loud.add(stress)
-        _, power = periodograms(stress, rate=self.rate, segment=self.plan.segment)
-        self.power, self.segments = self.power + power.sum(0), self.segments + len(power)
+        self.welch.add(stress)
 
     def cycles(self) -> Cycles:
         return join([self.matrix.cycles(), self.plan.rule(self.residue)])
-
-    def spectrum(self) -> Spectrum | None:
-        if not self.segments:
-            return None
-        frequency = np.arange(self.power.size, dtype=float) * (self.rate / self.plan.segment)
-        return Spectrum(frequency, self.power / self.segments)
 
     def result(self, gauge: Gauge, healths: dict[str, Health], quality: Quality) -> GaugeLife:
         plan, curve, correction = self.plan, self.plan.curve, self.plan.correction
@@ -301,7 +299,7 @@ class _Count(_Tally):
         )  # fmt: skip
         # The bins' rounding cancels: their ratio to the exact damage is the same in all.
         exact = plan.allowed * (binned / damage if damage > 0 else 1.0)
-        spectrum, spectral = self.spectrum(), dict[str, float]()
+        spectrum, spectral = self.welch.spectrum(), dict[str, float]()
         if spectrum is not None and spectrum.moment(0) > 0:
             for method in (rayleigh, dirlik, tovo_benasciutti):
                 spectral[method.__name__] = method(spectrum).damage_rate(curve) * quality.live
@@ -404,6 +402,11 @@ def stresses(
         yield felt[0]
 
 
+def _few(rows: int) -> int:
+    """Return the samples of a piece that is held so many times: fewer of many."""
+    return SIZE >> min((rows // 4).bit_length(), 2)
+
+
 def _felt(
     recording: Recording, *, plan: Plan, how: Sequence[Way], name: str,
     progress: Progress | None = None, seen: Callable[[int, FloatArray], None] | None = None,
@@ -415,6 +418,7 @@ def _felt(
     names = plan.channels
     place = {n: k for k, n in enumerate(names)}
     raw = _told(recording.pieces(names), name=name, rate=recording.rate, progress=progress)
+    raw = cut(raw, size=_few(len(how) * len(plan.gauges)))
 
     def stress() -> Iterator[FloatArray]:
         for clean in treated(raw, how=[[w.treatments[n] for n in names] for w in how]):
@@ -487,7 +491,7 @@ def counted(
     sharp = [k for k, g in enumerate(gauges) if g.sharp]
     coarse, fine = tee(felt) if sharp else (felt, iter(()))
     # Of each sample there are so many more, of every gauge in every way.
-    few = SIZE // BETWEEN
+    few = _few(len(how) * len(gauges)) // BETWEEN
     between = finer(cut((x[:, sharp] for x in fine), size=few))
     with ThreadPoolExecutor(4) as pool:
 
@@ -552,7 +556,7 @@ class _Listened:
         """Return what it came to in a recording of so many samples."""
         frozen = union(d[FREEZE].open for d in self.decided.values() if FREEZE in d)
         live = self.count.live - int((frozen[:, 1] - frozen[:, 0]).sum())
-        spectrum = self.count.spectrum()
+        spectrum = self.count.welch.spectrum()
         fast = 0.0
         if spectrum is not None and (whole := spectrum.moment(0)) > 0:
             above = spectrum.frequency > 0.4 * self.rate

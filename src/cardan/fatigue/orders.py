@@ -11,7 +11,7 @@ Sources: Vold & Leuridan, SAE 931288 (1993); Tuma, Vold-Kalman order tracking fi
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache
 from typing import TypeAlias
 
 import numpy as np
@@ -69,16 +69,12 @@ class Rotation:
         t = np.asarray(time, float)
         if not t.size:
             return np.zeros(t.shape)
-        # Of a day's drive only what is asked is derived.
-        first = int(np.searchsorted(self.time, np.fmin.reduce(t, axis=None))) - 1
-        last = int(np.searchsorted(self.time, np.fmax.reduce(t, axis=None))) + 1
-        near = slice(max(min(first, self.time.size - 2), 0), max(last, 2))
-        return np.interp(t, self.time[near], self._speeds[near])
-
-    @cached_property
-    def _speeds(self) -> FloatArray:
-        """Turns a second at each of its times."""
-        return np.gradient(self.turns, self.time)
+        # Of a day's drive only what is asked is derived, and one more on either side.
+        first = int(np.searchsorted(self.time, np.fmin.reduce(t, axis=None))) - 2
+        last = int(np.searchsorted(self.time, np.fmax.reduce(t, axis=None))) + 2
+        near = slice(max(min(first, self.time.size - 3), 0), max(last, 3))
+        time = self.time[near]
+        return np.interp(t, time, np.gradient(self.turns[near], time))
 
     def within(self, first: float, last: float) -> "Rotation":
         """Return it between two times, s, and a few of its own beyond: a part, not a copy."""

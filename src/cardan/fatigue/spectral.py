@@ -61,6 +61,30 @@ def _frequencies(segment: int, rate: float) -> FloatArray:
     return np.arange(segment // 2 + 1, dtype=float) * (rate / segment)
 
 
+class Welch:
+    """Welch's estimate as pieces pass, however they are cut: `add` each, then ask `spectrum`."""
+
+    def __init__(self, rate: float, segment: int) -> None:
+        self.rate, self.segment, self.count = rate, segment, 0
+        self.total: FloatArray = np.zeros(segment // 2 + 1)
+        self.tail = np.empty(0)
+
+    def add(self, x: ArrayLike) -> None:
+        """Take samples (n,), nan where they are missing."""
+        x = np.concatenate([self.tail, np.asarray(x, dtype=float)])
+        power = periodograms(x, rate=self.rate, segment=self.segment)[1]
+        self.total, self.count = self.total + power.sum(0), self.count + len(power)
+        hop = self.segment // 2
+        # A view would hold all of it.
+        self.tail = x[max((x.size - self.segment) // hop + 1, 0) * hop :].copy()
+
+    def spectrum(self) -> Spectrum | None:
+        """Return it, or None of what had no whole segment without gaps."""
+        if not self.count:
+            return None
+        return Spectrum(_frequencies(self.segment, self.rate), self.total / self.count)
+
+
 def spectrum(pieces: Iterable[ArrayLike], *, rate: float, segment: int = 4096) -> Spectrum:
     """Welch's power spectral density of a signal in pieces; the cuts do not matter.
 
@@ -69,18 +93,14 @@ def spectrum(pieces: Iterable[ArrayLike], *, rate: float, segment: int = 4096) -
     ValueError
         If no whole segment without gaps was found.
     """
-    total: FloatArray = np.zeros(segment // 2 + 1)
-    count, tail = 0, np.empty(0)
+    welch = Welch(rate, segment)
     for piece in pieces:
-        tail = np.concatenate([tail, np.asarray(piece, dtype=float)])
-        power = periodograms(tail, rate=rate, segment=segment)[1]
-        total, count = total + power.sum(0), count + len(power)
-        done = max((tail.size - segment) // (segment // 2) + 1, 0)
-        tail = tail[done * (segment // 2) :]
-    if not count:
+        welch.add(piece)
+    found = welch.spectrum()
+    if found is None:
         msg = f"no {segment} samples in a row without gaps; take a shorter segment"
         raise ValueError(msg)
-    return Spectrum(_frequencies(segment, rate), total / count)
+    return found
 
 
 @dataclass(frozen=True)
