@@ -17,8 +17,8 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore"),
 ]  # fmt: skip
 
-TRUCKS = range(34, 50)
-"""As many as a quarter of an hour of two cores allows; `held` says of any others the same."""
+TRUCKS = range(40, 50)
+"""Those that nothing was set by; all fifty are an hour's work, and `docs/life.md` says of them."""
 
 
 def _held(seed: int) -> list[tuple[str, bool]]:
@@ -28,7 +28,7 @@ def _held(seed: int) -> list[tuple[str, bool]]:
 
 
 def test_nine_intervals_of_ten_hold_the_truth():
-    """At least 80 % of each kind: 16 trucks leave a scatter of a fourteenth about the 90."""
+    """At least three of four of each kind: 20 numbers leave a scatter of 7 % about the 90 %."""
     pytest.importorskip("exudyn")
     inside, every = Counter(), Counter()
     with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
@@ -38,4 +38,4 @@ def test_nine_intervals_of_ten_hold_the_truth():
                 every[name] += 1
     share = {name: inside[name] / every[name] for name in every}
     assert set(share) == {"vertical", "lateral", "loss", "phase", "gain", "unbalance"}
-    assert min(share.values()) >= 0.8, share
+    assert min(share.values()) >= 0.75, share

@@ -80,10 +80,12 @@ def _first_row(
     lines: list[str], delimiter: str, decimal: str, *, grouped: bool
 ) -> tuple[int, int] | None:
     """First line from which all are numbers, and their count; None if there is none."""
+    told = [(k, line) for k, line in enumerate(lines) if line.strip()]
+    # What the last line is not, no row is the first of: most ways to read end here.
+    if not told or not _numeric(_fields(told[-1][1], delimiter), decimal, grouped=grouped):
+        return None
     first, width = None, 0
-    for k, line in enumerate(lines):
-        if not line.strip():
-            continue
+    for k, line in told:
         fields = _fields(line, delimiter)
         if not _numeric(fields, decimal, grouped=grouped):
             first = None
