@@ -24,6 +24,9 @@ from cardan.fatigue.kernel import farther, on_circle
 from cardan.fatigue.recording import cut
 from cardan.fatigue.spectral import periodograms
 
+DERIVED = 1 << 17
+"""Times of a rotation that are derived at once."""
+
 
 @dataclass(frozen=True)
 class Rotation:
@@ -67,11 +70,16 @@ class Rotation:
     def speed(self, time: ArrayLike) -> FloatArray:
         """Return the turns a second (...) at each time (...) s."""
         t = np.asarray(time, float)
+        # Of a day's drive only what is asked is derived, and an hour at once.
+        count = max(min(self.time.size // DERIVED, t.size), 1)
+        parts = [self._speed(part) for part in np.array_split(t.ravel(), count)]
+        return np.concatenate(parts).reshape(t.shape)
+
+    def _speed(self, t: FloatArray) -> FloatArray:
         if not t.size:
-            return np.zeros(t.shape)
-        # Of a day's drive only what is asked is derived, and one more on either side.
-        first = int(np.searchsorted(self.time, np.fmin.reduce(t, axis=None))) - 2
-        last = int(np.searchsorted(self.time, np.fmax.reduce(t, axis=None))) + 2
+            return t
+        first = int(np.searchsorted(self.time, np.fmin.reduce(t))) - 2
+        last = int(np.searchsorted(self.time, np.fmax.reduce(t))) + 2
         near = slice(max(min(first, self.time.size - 3), 0), max(last, 3))
         time = self.time[near]
         return np.interp(t, time, np.gradient(self.turns[near], time))
