@@ -36,15 +36,15 @@ docs: $(VENV)/cardan-docs   ## the documentation site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 oracle: $(VENV)/cardan-oracles $(VENV)/cardan-test  ## results against independent multibody engines
-	$(PYTEST) -m "oracle and not bracket"
+	$(PYTEST) -m "oracle and not bracket" tests/verify
 
 bracket: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## the bracket's tests; with CalculiX, where it is installed, beside it
 	$(PYTEST) -m "bracket and not oracle and not browser"
-	@if command -v ccx >/dev/null; then $(PYTEST) --dist loadscope -m "bracket and oracle and not slow"; \
+	@if command -v ccx >/dev/null; then $(PYTEST) --dist loadscope -m "bracket and oracle and not slow" tests/verify; \
 	else echo "CalculiX is not installed (apt-get install calculix-ccx): not compared with it"; fi
 
 slip: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## contact CalculiX seeks for an hour: by hand
-	$(PYTEST) --dist loadscope -m "bracket and oracle and slow"
+	$(PYTEST) --dist loadscope -m "bracket and oracle and slow" tests/verify
 
 office: $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
 	$(BIN)/python -m pytest -q -m "office" tests/office
