@@ -562,6 +562,8 @@ FATIGUE = (
     mutant("fatigue/rainflow.py", "return four_point(residue, residue=residue)[0]",
            "return half_cycles(residue)", "a repeated route closes nothing",
            "verify/test_rainflow_published.py::test_repeating_history_matches_the_standard"),
+    mutant("fatigue/orders.py", "np.fmin.reduce(t))) - 2", "np.fmin.reduce(t))) - 1", "a speed asked by parts is not that of the whole",
+           "verify/test_orders.py::test_a_speed_asked_by_parts_is_that_of_the_whole"),
     mutant("fatigue/spectral.py", "self.tail = x[max((x.size - self.segment) // hop + 1, 0) * hop :].copy()",
            "self.tail = np.empty(0)", "a spectrum knows where its pieces were cut",
            "unit/test_life.py::test_what_is_heard_of_a_gauge_is_the_same_beside_others"),

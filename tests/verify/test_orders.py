@@ -24,6 +24,7 @@ from cardan.fatigue.cause import (
 )
 from cardan.fatigue.damage import miner
 from cardan.fatigue.orders import (
+    DERIVED,
     Rotation,
     Splitter,
     Tone,
@@ -284,6 +285,19 @@ def test_tones_that_run_together_are_said():
     named = suspects(shaft, engine=shaft.geared(2 / 3), engine_orders=(3.0,))
     pairs = coincidences(named, times=t, resolution=2.0)
     assert [(a.cause, b.cause, share) for a, b, share in pairs] == [(JOINTS, "engine", 1.0)]
+
+
+@pytest.mark.parametrize("size", [2, 3, 300, 3 * DERIVED])
+def test_a_speed_asked_by_parts_is_that_of_the_whole(size):
+    """NumPy's gradient of all turns at once, which is no more than its neighbours know."""
+    rng = np.random.default_rng(1)
+    time = np.sort(rng.uniform(0, 100, size))
+    turns = np.cumsum(rng.uniform(0, 1, size))
+    asked = rng.uniform(-5, 105, (7, 900))
+    rotation = Rotation(time, turns)
+    whole = np.gradient(turns, time)
+    for when in (asked, np.sort(asked), asked[0, 0], asked[:0]):
+        assert np.array_equal(rotation.speed(when), np.interp(when, time, whole))
 
 
 def test_impossible_rotations_are_refused():
