@@ -963,7 +963,7 @@ def span_means(recording: Recording, channel: str, *, how: Separation) -> FloatA
     """Mean of a channel over each span of a splitter, (spans,)."""
     n = how.splitter.samples
     means: list[FloatArray] = []
-    for piece in recording.pieces([channel], size=n * 512):
+    for piece in recording.pieces([channel], size=n * 64):
         x = piece[0]
         if x.size % n:
             x = np.concatenate([x, np.full(n - x.size % n, np.nan)])
