@@ -38,6 +38,9 @@ docs: $(VENV)/cardan-docs   ## the documentation site, into site/
 oracle: $(VENV)/cardan-oracles $(VENV)/cardan-test  ## results against independent multibody engines
 	$(PYTEST) -m "oracle and not bracket" tests/verify
 
+# Two of them at once: idle threads of a solver spin, and would take each other's core.
+bracket slip: export NGS_NUM_THREADS ?= 1
+
 bracket: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## the bracket's tests; with CalculiX, where it is installed, beside it
 	$(PYTEST) -m "bracket and not oracle and not browser"
 	@if command -v ccx >/dev/null; then $(PYTEST) --dist loadscope -m "bracket and oracle and not slow" tests/verify; \
