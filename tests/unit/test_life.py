@@ -51,7 +51,6 @@ def test_life_is_that_of_the_whole_signal(drive):
         assert one.repeats[0.5] == pytest.approx(one.life.repeats, rel=1e-9)
         assert one.repeats[0.1] < one.repeats[0.5] < one.repeats[0.9]
         assert 5 <= one.exponent <= 9
-        # A segment in 64 falls on a cut between pieces and is left out.
         assert one.spectrum.moment(0) == pytest.approx(spectrum([x], rate=RATE).moment(0), rel=1e-9)
 
 

@@ -403,7 +403,7 @@ def stresses(
 
 
 def _few(rows: int) -> int:
-    """Return the samples of a piece that is held so many times: fewer of many."""
+    """Return the samples of a piece of which so many rows are held: gauges, in each way."""
     return SIZE >> min((rows // 4).bit_length(), 2)
 
 
@@ -417,8 +417,8 @@ def _felt(
     """
     names = plan.channels
     place = {n: k for k, n in enumerate(names)}
-    raw = _told(recording.pieces(names), name=name, rate=recording.rate, progress=progress)
-    raw = cut(raw, size=_few(len(how) * len(plan.gauges)))
+    pieces = recording.pieces(names, size=_few(len(how) * len(plan.gauges)))
+    raw = _told(pieces, name=name, rate=recording.rate, progress=progress)
 
     def stress() -> Iterator[FloatArray]:
         for clean in treated(raw, how=[[w.treatments[n] for n in names] for w in how]):
