@@ -11,8 +11,10 @@ INSTALL = $(PIP) install --constraint constraints.txt --editable
 
 # Matrices are small: BLAS threads of its own only get in each other's way.
 export OPENBLAS_NUM_THREADS ?= 1
+# Compiled once, for each of the processes that tests start; an image that forbids it is not ours.
+export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: check serve test texts bracket slip lint docs oracle office browser front pictures slow mutants bench clean
+.PHONY: check serve test texts bracket long lint docs oracle office browser front pictures slow mutants bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
@@ -36,18 +38,18 @@ docs: $(VENV)/cardan-docs   ## the documentation site, into site/
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 oracle: $(VENV)/cardan-oracles $(VENV)/cardan-test  ## results against independent multibody engines
-	$(PYTEST) -m "oracle and not bracket" tests/verify
+	$(PYTEST) -m "oracle and not bracket and not long" tests/verify
 
 # Two of them at once: idle threads of a solver spin, and would take each other's core.
-bracket slip: export NGS_NUM_THREADS ?= 1
+bracket long: export NGS_NUM_THREADS ?= 1
 
 bracket: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## the bracket's tests; with CalculiX, where it is installed, beside it
-	$(PYTEST) -m "bracket and not oracle and not browser"
-	@if command -v ccx >/dev/null; then $(PYTEST) --dist loadscope -m "bracket and oracle and not slow" tests/verify; \
+	$(PYTEST) -m "bracket and not oracle and not browser and not long"
+	@if command -v ccx >/dev/null; then $(PYTEST) --dist loadscope -m "bracket and oracle and not long" tests/verify; \
 	else echo "CalculiX is not installed (apt-get install calculix-ccx): not compared with it"; fi
 
-slip: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## contact CalculiX seeks for an hour: by hand
-	$(PYTEST) --dist loadscope -m "bracket and oracle and slow" tests/verify
+long: $(VENV)/cardan-bracket $(VENV)/cardan-oracles $(VENV)/cardan-test  ## what takes hours: CalculiX's contact, hundreds of drives; by hand
+	$(PYTEST) -m "long"
 
 office: $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
 	$(BIN)/python -m pytest -q -m "office" tests/office
@@ -62,7 +64,7 @@ front: web/node_modules   ## the workbench's page: types and unit tests
 	cd web && npm run --silent types && npm run --silent test
 
 slow: $(VENV)/cardan-test  ## what takes minutes: hundreds of recordings made to mislead
-	$(PYTEST) -m "slow and not bracket and not oracle"
+	$(PYTEST) -m "slow and not bracket and not oracle and not long"
 
 mutants: $(VENV)/cardan-test  ## small wrong changes, one by one: each must turn a test red
 	$(BIN)/python tests/mutants

@@ -63,11 +63,11 @@ GIVEN = {
     "bracket": {
         "bracket": {
             "u_shape": {
-                "seat_diameter_mm": 100, "width_mm": 70, "thickness_mm": 6, "height_mm": 90,
-                "flange_mm": 55, "bend_radius_mm": 10, "bolt_diameter_mm": 11, "bolt_pitch_mm": 40,
+                "seat_diameter_mm": 100, "width_mm": 90, "thickness_mm": 9, "height_mm": 90,
+                "flange_mm": 75, "bend_radius_mm": 12, "bolt_diameter_mm": 17, "bolt_pitch_mm": 45,
             },
             "material": "S355MC",
-            "element_mm": 16,
+            "element_mm": 25,
             "carried_mass_kg": 18,
             "fatigue": {"amplitude_MPa": 40, "cycles": 1.0e6, "slope": 5},
             "bolts": {"preload_kN": 30},

@@ -114,7 +114,7 @@ def test_what_is_told_of_a_hundred_recordings_holds_the_truth():
     assert len(wrong) <= 1
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_is_told_of_fifty_drives_holds_the_truth():
     """Of 34 told 28 hold it: a bracket shaken from both its ends is more than the model has."""
     frequency, damping, told, wrong = statistics(driven, range(72_000, 72_050))

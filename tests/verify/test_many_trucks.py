@@ -13,13 +13,15 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore"),
 ]  # fmt: skip
 
-TRUCKS = range(40, 50)
-"""Those that nothing was set by; `many_trucks.py 0 50` asks all."""
+TRUCKS = range(45, 50)
+"""Of those that nothing was set by; `many_trucks.py 0 50` asks all."""
 
 
 def test_nine_intervals_of_ten_hold_the_truth():
-    """At least three of four of each kind: 20 numbers leave a scatter of 7 % about the 90 %."""
+    """Of ten numbers of a kind, four miss once in eighty times; of five, three once in 115."""
     pytest.importorskip("exudyn")
     told = shares(TRUCKS)
     assert set(told) == {"vertical", "lateral", "loss", "phase", "gain", "unbalance"}
-    assert min(inside / every for inside, every in told.values()) >= 0.75, told
+    assert all(inside >= (0.7 if every > 5 else 0.6) * every for inside, every in told.values()), (
+        told
+    )

@@ -98,7 +98,7 @@ def test_ten_drives():
     assert told > 0.25
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_hundred_drives_on_two_gauges():
     inside, wrong, told, spoiled = statistics(range(60_000, 60_100))
     assert not wrong
