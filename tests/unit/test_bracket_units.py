@@ -15,8 +15,9 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import mm
 from cardan.bracket import refine
-from cardan.bracket.elastic import Elastic, elastic, hooke, mesh, silent
+from cardan.bracket.elastic import Elastic, _factors, elastic, hooke, mesh, silent
 from cardan.bracket.engine import engine
+from cardan.bracket.fronts import Fronts
 from cardan.bracket.gauges import influence, misplaced
 from cardan.bracket.joint import _patches, _rounds
 from cardan.bracket.refine import Problem, refined, solution
@@ -448,6 +449,17 @@ def test_a_mass_on_soft_rubber_rings_as_a_spring(units):
     # What gives more has more of the energy: of two in series their share of what they give.
     share = np.diag(units.compliance)[:3] * series
     assert np.sort(bends) == pytest.approx(np.sort(share), rel=0.02)
+
+
+def test_hundreds_of_loads_are_solved_together(units):
+    """By factors of ours, as by those of the engine, of a body that three points hold."""
+    floats = units.elastic.floating()
+    assert isinstance(floats.inverse, Fronts)
+    rng = np.random.default_rng(1)
+    loads = rng.normal(size=(40, floats.unknowns)) * floats.free_dofs
+    one_by_one = replace(floats, inverse=_factors(floats.stiffness, floats.free_dofs)).solve(loads)
+    together = floats.solve(loads)
+    assert together == pytest.approx(one_by_one, abs=1e-8 * np.abs(one_by_one).max())
 
 
 def test_a_heavy_rigid_mass_rings_on_the_bracket(units):

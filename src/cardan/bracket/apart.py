@@ -88,7 +88,9 @@ def apart(
         with subprocess.Popen(
             [sys.executable, "-c", _BEGIN, path, folder],
             stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            text=True, encoding="utf-8", env={"NGS_NUM_THREADS": _threads(), **os.environ},
+            text=True, encoding="utf-8",
+            env={**dict.fromkeys(("NGS_NUM_THREADS", "OPENBLAS_NUM_THREADS"), _threads()),
+                 **os.environ},
         ) as child:  # fmt: skip
             watch = threading.Thread(target=_watch, args=(child, memory, seconds, why), daemon=True)
             watch.start()
@@ -200,7 +202,7 @@ def worked(process: int) -> float:
 
 
 def _threads() -> str:
-    """Return how many threads the engine may use: those idle spin, and take from who works."""
+    """Return how many threads engine and BLAS may use: idle ones spin, and take from who works."""
     cores = os.cpu_count() or 1
     try:
         busy = os.getloadavg()[0]

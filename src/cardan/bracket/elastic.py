@@ -20,6 +20,7 @@ from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import Metre, mm
 from cardan.bracket.engine import engine
+from cardan.bracket.fronts import Fronts, fronts
 from cardan.bracket.stress import von_mises
 from cardan.model.material import Material
 
@@ -165,8 +166,9 @@ class Elastic:
     free_dofs : (unknowns,)
         Which displacements are not held.
     inverse
-        The engine's factors of what is free; where a displacement is held beside free ones of
-        its function it is let go, and a load on it must be nil.
+        The engine's factors of what is free, for few loads, or ours, for hundreds; where a
+        displacement is held beside free ones of its function the engine's let it go, and a load on
+        it must be nil.
     """
 
     mesh: Any
@@ -216,6 +218,7 @@ class Elastic:
         """Return the same solid held by nothing but three points: loads in balance strain it alone.
 
         The first is held, the second may move towards it, the third in the plane of all three.
+        Its factors are for hundreds of loads.
         """
         points = np.array([v.point for v in self.mesh.vertices])
         first = int((points @ [1.0, 0.3, 0.1]).argmin())
@@ -228,7 +231,7 @@ class Elastic:
         free[first] = False
         free[second, np.argsort(np.abs(along))[:2]] = False
         free[third, np.abs(square[third]).argmax()] = False
-        inverse = _factors(self.stiffness, free.ravel())
+        inverse = fronts(_blocks(self.stiffness), free.ravel())
         return replace(self, free_dofs=free.ravel(), inverse=inverse)
 
     def traction(self, face: str, vector: Any) -> FloatArray:
@@ -286,20 +289,17 @@ class Elastic:
             more than a share `still` of themselves: the solid is not held.
         """
         loads = np.asarray(loads, dtype=float)
-        found = np.empty_like(loads)
-        free = self.free_dofs
-        for case in np.ndindex(loads.shape[:-1]):
-            found[case] = self._times(self.inverse, loads[case] * free)
-        if self._balances(found, loads):
-            return found
-        for case in np.ndindex(loads.shape[:-1]):
-            size = max(float(np.linalg.norm(loads[case])), 1e-300)
-            u = found[case]
+        each, free = loads.reshape(-1, loads.shape[-1]), self.free_dofs
+        found = self._yielding(each * free)
+        if self._balances(found, each):
+            return found.reshape(loads.shape)
+        for load, u in zip(each, found, strict=True):
+            size = max(float(np.linalg.norm(load)), 1e-300)
             for _ in range(2):
-                left = (loads[case] - self.residual(u)) * free
+                left = (load - self.residual(u)) * free
                 if np.linalg.norm(left) <= _BALANCED * size:
                     break
-                step = self._times(self.inverse, left)  # of refinement: another substitution
+                step = self._yielding(left[None])[0]  # of refinement: another substitution
                 u += step
                 # The forces inside a thin sheet are so much larger than its load that their
                 # last digits miss it by more: that the displacements stay is what counts.
@@ -311,18 +311,26 @@ class Elastic:
                     "Pick bolt faces that keep it from moving and turning"
                 )
                 raise NotConverged(msg)
+        return found.reshape(loads.shape)
+
+    def _yielding(self, loads: FloatArray) -> FloatArray:
+        """Displacement vectors (c, unknowns) under loads (c, unknowns), by one substitution."""
+        if isinstance(self.inverse, Fronts):
+            return self.inverse.solve(loads)
+        found = np.empty_like(loads)
+        for load, u in zip(loads, found, strict=True):
+            u[:] = self._times(self.inverse, load)
         return found
 
     def _balances(self, found: FloatArray, loads: FloatArray) -> bool:
-        """Whether displacements (..., unknowns) balance their loads, told by one sum of them all.
+        """Whether displacements (c, unknowns) balance their loads, told by one sum of them all.
 
         Each load as large as the others, its sign by chance: what they miss does not cancel.
         """
-        each, u = (v.reshape(-1, v.shape[-1]) for v in (loads, found))
-        size = np.linalg.norm(each, axis=1)
-        sign = np.random.default_rng(1).choice([-1.0, 1.0], len(each))
+        size = np.linalg.norm(loads, axis=1)
+        sign = np.random.default_rng(1).choice([-1.0, 1.0], len(loads))
         share = sign / np.where(size > 0, size, np.inf)
-        missed = (share @ each - self.residual(share @ u)) * self.free_dofs
+        missed = (share @ loads - self.residual(share @ found)) * self.free_dofs
         return float(np.linalg.norm(missed)) <= _BALANCED
 
     def _times(self, matrix: Any, vector: FloatArray) -> FloatArray:
@@ -742,6 +750,16 @@ def _factors(stiffness: Any, free: BoolArray) -> Any:
     except Exception as error:  # the engine raises bare exceptions of its own
         msg = f"the stiffness cannot be factorised ({error}): is every direction held?"
         raise NotConverged(msg) from error
+
+
+def _blocks(stiffness: Any) -> Any:
+    """Return a stiffness of the engine as a sparse matrix of its 3 x 3 blocks."""
+    from scipy.sparse import bsr_array
+
+    values, *pattern = stiffness.CSR()
+    columns, starts = (np.array(known, dtype=np.int32) for known in pattern)
+    count = 3 * (len(starts) - 1)
+    return bsr_array((np.reshape(values, (-1, 3, 3)), columns, starts), shape=(count, count))
 
 
 def _uncoupled(stiffness: Any, free: BoolArray) -> Any:

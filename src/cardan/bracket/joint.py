@@ -50,8 +50,8 @@ no more."""
 _STILL = 1e-6
 """Share of themselves that displacements may still move by: a thin sheet's floating have no more
 digits, and contact asks for fewer."""
-_BATCH = 9
-"""Unit forces solved at once."""
+_BATCH = 32
+"""Unit forces solved at once: of 64 each takes a fifth less, and all half as much memory again."""
 _STUCK = 0.05
 """What sticks gives by this share of what its patch gives by itself."""
 _WAYS = 16
