@@ -346,7 +346,10 @@ def shaft_angle(
     turning = own.at(time)
     stair = own.period >= STAIR
     known = own.known if engine is None else own.known & ~_stuck(speed, engine, rate=rate)
-    dark = ~known[np.clip((time * rate).astype(np.intp), 0, known.size - 1)]
+    dark = np.empty(time.size, bool)
+    for first in range(0, time.size, TOGETHER):
+        place = (time[first : first + TOGETHER] * rate).astype(np.intp)
+        dark[first : first + TOGETHER] = ~known[np.minimum(place, known.size - 1)]
     lost = dark | (own.period >= COARSE)
     motor = None
     if engine is not None and (stair or dark.any()):

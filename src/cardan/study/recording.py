@@ -871,7 +871,7 @@ def _fastest(shaft: Rotation | None) -> float:
         return 0.0
     speed = shaft.speed(shaft.time)
     moving = speed[speed > 0.5]
-    return 2 * float(np.quantile(moving, 0.95)) if moving.size else 0.0
+    return 2 * float(np.quantile(moving, 0.95, overwrite_input=True)) if moving.size else 0.0
 
 
 def _masked_out(recording: Recording, plan: Plan, lives: Sequence[GaugeLife]) -> None:
