@@ -609,11 +609,11 @@ def finer(pieces: Iterable[FloatArray], *, times: int = BETWEEN) -> Iterator[Flo
     damped, what is faster than half of it was never in them. Source: Shannon, Proc. IRE 37
     (1949), with the window of `low_pass`.
     """
-    from scipy.signal import upfirdn
-
     taps = low_pass(0.45, rate=times, width=0.1).taps * times
     about = -(-(taps.size // 2) // times)
     for padded in overlapping(pieces, reach=about):
+        from scipy.signal import upfirdn  # fifty megabytes: not of nothing
+
         n = padded.shape[-1] - 2 * about
         missing = np.isnan(padded[..., about : about + n])
         out = upfirdn(taps, bridged(padded), up=times, axis=-1)
