@@ -1,6 +1,7 @@
 """Faults that leave a mark are found where they are, and without them the truth comes back."""
 
 import json
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,13 +13,14 @@ from cardan.base.units import MPa
 from cardan.fatigue.conditioning import survey
 from cardan.fatigue.damage import miner
 from cardan.fatigue.fault import BIT, GAIN, NOISE, REPEAT, SPIKE, ZERO_STEP
-from cardan.fatigue.gain import changes
+from cardan.fatigue.gain import Ratios, changes
 from cardan.fatigue.life import Plan, life
 from cardan.fatigue.quality import Effect, Quality, Rule
 from cardan.fatigue.rainflow import rainflow
 from cardan.fatigue.recording import in_memory
 from cardan.fatigue.strain import direct
 from cardan.fatigue.strength import SNCurve
+from cardan.fatigue.twice import Twice
 from cardan.files.campaign import loads
 
 RATE = 500.0
@@ -171,6 +173,28 @@ def test_a_gain_that_creeps_is_told():
     assert [GAIN in g.vetoes for g in asked(*gauges)] == [True, False, False]
 
 
+def test_what_is_held_at_once_changes_no_gain(monkeypatch):
+    """Spans are met some at a time, and places asked for so: each by itself comes to the same."""
+    x, rng = road(4), np.random.default_rng(9)
+    gauges = np.array([[1.0], [0.6], [-0.4]]) * x + 0.05 * rng.normal(size=(3, N))
+    gauges[0] *= np.interp(np.arange(N), [28_000, 30_000], [1.0, 1.6])
+
+    def met():
+        ratios = Ratios(RATE, 3)
+        ratios.add(gauges)
+        return np.concatenate(ratios.met), [(p.runs.tolist(), p.sizes) for p in ratios.found()]
+
+    powers, found = met()
+    assert any(len(runs) for runs, _ in found)
+    for one in ("AT_ONCE", "BLOCK"):
+        monkeypatch.setattr(f"cardan.fatigue.gain.{one}", 1)
+    again, told = met()
+    np.testing.assert_array_equal(again, powers)
+    for (runs, sizes), (others, factors) in zip(found, told, strict=True):
+        assert runs == others
+        np.testing.assert_array_equal(sizes, factors)
+
+
 def test_what_else_shakes_changes_some_bands_only():
     """From midway on both feel an order of 17 Hz three times as much: no gain did that."""
     t = np.arange(N) / RATE
@@ -255,6 +279,43 @@ def test_what_was_stored_twice_is_found_to_the_sample():
         assert len(runs) == 2
         # A copy begins and ends within some chosen samples of where it does: one in 64.
         assert np.abs(runs - [[20_000, 21_500], [40_000, 42_000]]).max() < 500, size
+
+
+def test_a_copy_is_found_whatever_its_fingerprints_begin_with():
+    """Held against each other in parts, or all at once as here: the same pairs."""
+    x = road()
+    copies = range(2000, N - 2000, 2000)
+    for k in copies:
+        x[k : k + 300] = x[k - 900 : k - 600]
+    twice = Twice(RATE)
+    for start in range(0, N, 7000):
+        twice.add(x[start : start + 7016], start=start, size=7000)
+    at = np.concatenate(
+        [s + m[0].astype(int) for s, m in zip(twice.starts, twice.met, strict=True)]
+    )
+    told = np.concatenate([m[1] for m in twice.met])
+    order = np.argsort(told, kind="stable")
+    same = np.flatnonzero(told[order][1:] == told[order][:-1])
+    pairs = {(int(at[order[k]]), int(at[order[k + 1]])) for k in same}
+    again = np.array([second for first, second in pairs if second - first == 900])
+    fours = [np.count_nonzero((again >= k) & (again < k + 300)) >= 4 for k in copies]
+    found = [twice._pairs(part) for part in range(8)]
+    assert {(int(a), int(b)) for one in found for a, b in zip(*one, strict=True)} == pairs
+    assert len(twice.found()) == sum(fours) > 20
+
+
+def test_what_is_told_of_a_day_takes_less_than_what_it_is_told_of():
+    """All fingerprints held against each other at once took five times their own room."""
+    rng, twice = np.random.default_rng(2), Twice(RATE)
+    for k in range(256):
+        twice.starts.append(k << 18)
+        chosen, told = (rng.integers(0, most, 4096, np.uint32) for most in (1 << 18, 1 << 32))
+        twice.met.append(np.stack([chosen, told]))
+    tracemalloc.start()
+    twice.found()
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < sum(met.nbytes for met in twice.met)
 
 
 def test_a_bench_that_repeats_is_no_copy():

@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from cardan.cli.life import life as command
 from cardan.fatigue.angle import SHAFTS, VEHICLES, no_torque, no_value
 from cardan.fatigue.evidence import GUILTY
-from cardan.fatigue.recording import in_memory
+from cardan.fatigue.recording import SIZE, in_memory
 from cardan.report.contract_schema import schema
 from cardan.study import campaign as module
 from cardan.study.campaign import Campaign
@@ -226,6 +226,17 @@ def test_a_day_is_met_less_often_and_comes_to_the_same(monkeypatch):
     # Straight lines over 40 ms of 5 turns/s at 0.1 Hz: (0.2π)² 5 (0.04)²/12 = 2.6e-4 turns/s.
     np.testing.assert_allclose(less.at(at), whole.at(at), atol=1e-3)
     np.testing.assert_allclose(less.speed(at), whole.speed(at), atol=5e-3)
+
+
+def test_a_day_is_thinned_as_one_piece(monkeypatch):
+    """Each piece by itself, where its first reading lies among all: none is met beside its time."""
+    n = 3 * SIZE + 1000
+    x = np.arange(n, dtype=float)
+    of = in_memory(x[None], rate=600.0, names=["n"], units=["rpm"])
+    monkeypatch.setattr(module, "MOST", 100_000)
+    values, often = module._every(of, "n")
+    assert often == 600 / 12
+    np.testing.assert_array_equal(values, x[::12])
 
 
 @pytest.mark.parametrize("where", ["first", "last"])

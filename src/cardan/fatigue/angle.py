@@ -346,7 +346,10 @@ def shaft_angle(
     turning = own.at(time)
     stair = own.period >= STAIR
     known = own.known if engine is None else own.known & ~_stuck(speed, engine, rate=rate)
-    dark = ~known[np.clip((time * rate).astype(np.intp), 0, known.size - 1)]
+    dark = np.empty(time.size, bool)
+    for first in range(0, time.size, TOGETHER):
+        place = (time[first : first + TOGETHER] * rate).astype(np.intp)
+        dark[first : first + TOGETHER] = ~known[np.minimum(place, known.size - 1)]
     lost = dark | (own.period >= COARSE)
     motor = None
     if engine is not None and (stair or dark.any()):
@@ -498,15 +501,24 @@ def _geared(
     """
     r = _ratio(speed, engine)
     level = _median(r, 100)
-    centres = _gears(level[~np.isnan(r) & (np.abs(r - level) < 0.02) & told])
+    centres = _gears(level[_close(r, level, 0.02) & told])
     if not centres.size:
         return speed, np.zeros(speed.size, bool)
     near = _nearest(level, centres)
     # Where the median itself sits between two gears, neither is in.
-    engaged = ~np.isnan(r) & (np.abs(level - near) < 0.08) & (np.abs(r - near) < 0.1)
+    engaged = _close(level, near, 0.08) & _close(r, near, 0.1)
     geared = np.exp(near, out=near)
     geared *= engine
     return geared, engaged
+
+
+def _close(x: FloatArray, other: FloatArray, within: float) -> BoolArray:
+    """Return where two (n,) are that close, nowhere where one is nan; of a day some at a time."""
+    found = np.empty(x.size, bool)
+    for first in range(0, x.size, TOGETHER):
+        some = slice(first, first + TOGETHER)
+        found[some] = np.abs(x[some] - other[some]) < within
+    return found
 
 
 def gear_ratios(shaft: Rotation, engine: Rotation, time: ArrayLike) -> FloatArray:
@@ -517,10 +529,12 @@ def gear_ratios(shaft: Rotation, engine: Rotation, time: ArrayLike) -> FloatArra
     if fine.size < 2:
         return np.full(time.size, np.nan)
     own, motor = shaft.speed(fine), engine.speed(fine)
+    asked = np.searchsorted(fine, time).clip(0, fine.size - 1)
+    del fine  # of seven hours each of these is 20 MB
     geared, engaged = _geared(own, motor)
+    geared, engaged = geared[asked], engaged[asked]
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(engaged & (geared > 0), motor / geared, np.nan)
-    return ratio[np.searchsorted(fine, time).clip(0, fine.size - 1)]
+        return np.where(engaged & (geared > 0), motor[asked] / geared, np.nan)
 
 
 def _gears(calm: FloatArray) -> FloatArray:
@@ -538,5 +552,6 @@ def _gears(calm: FloatArray) -> FloatArray:
             break
         # Gears stand apart by a tenth and more.
         if all(abs(middle - c) > 0.08 for c in centres):
-            centres.append(float(np.median(calm[np.abs(calm - middle) < 1.5 * step])))
+            about = calm[_close(calm, np.broadcast_to(middle, calm.shape), 1.5 * step)]
+            centres.append(float(np.median(about, overwrite_input=True)))
     return np.array(centres)

@@ -8,6 +8,7 @@ same result as whole (`overlapping`).
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
@@ -79,7 +80,7 @@ def overlapping(
             continue
         before = beyond(held)[..., ::-1] if before is None else before
         yield ready(held, piece[..., :reach])
-        before = np.concatenate([before, held], axis=-1)[..., held.shape[-1] :]
+        before = held[..., held.shape[-1] - reach :].copy()  # a view would hold all of it
         held = piece
     if held is not None:
         before = beyond(held)[..., ::-1] if before is None else before
@@ -512,7 +513,10 @@ def survey(
         ratios.add(bridged(padded[:, reach(rate) : padded.shape[-1] - reach(rate)]))
     if ratios is None:
         return []
-    return [c.health(gains=g) for c, g in zip(found, ratios.found(), strict=True)]
+    gains = ratios.found()
+    del ratios
+    # Of a day's channel what was met is twenty megabytes: each is let go as it is told.
+    return [found.pop(0).health(gains=of) for of in gains]
 
 
 def shifts(steps: Places, samples: ArrayLike) -> FloatArray:
@@ -578,17 +582,20 @@ class Treatment:
 
 def treated(
     pieces: Iterable[FloatArray], *, how: Sequence[Sequence[Treatment]]
-) -> Iterator[list[FloatArray]]:
-    """Yield the recording treated in each of some ways, (ways) of (channels, n).
+) -> Iterator[Iterator[FloatArray]]:
+    """Yield each piece of a recording treated in some ways, one after the other, (channels, n).
 
     `how` holds a treatment for each channel in each way; holes stay holes.
     """
     start = 0
     for piece in pieces:
-        yield [
-            np.stack([treat(x, start) for treat, x in zip(way, piece, strict=True)]) for way in how
-        ]
+        yield map(partial(_treated, piece, start), how)
         start += piece.shape[-1]
+
+
+def _treated(piece: FloatArray, start: int, way: Sequence[Treatment]) -> FloatArray:
+    """Return a piece (channels, n) that begins at a sample, treated in one way."""
+    return np.stack([treat(x, start) for treat, x in zip(way, piece, strict=True)])
 
 
 BETWEEN = 8
@@ -602,11 +609,11 @@ def finer(pieces: Iterable[FloatArray], *, times: int = BETWEEN) -> Iterator[Flo
     damped, what is faster than half of it was never in them. Source: Shannon, Proc. IRE 37
     (1949), with the window of `low_pass`.
     """
-    from scipy.signal import upfirdn
-
     taps = low_pass(0.45, rate=times, width=0.1).taps * times
     about = -(-(taps.size // 2) // times)
     for padded in overlapping(pieces, reach=about):
+        from scipy.signal import upfirdn  # fifty megabytes: not of nothing
+
         n = padded.shape[-1] - 2 * about
         missing = np.isnan(padded[..., about : about + n])
         out = upfirdn(taps, bridged(padded), up=times, axis=-1)

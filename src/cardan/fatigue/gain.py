@@ -41,7 +41,9 @@ TOGETHER = 5.0
 """Errors that a change has by what all bands do together: there are many places to choose from."""
 ONE_WAY = 0.25
 """Product of the mean signs on both sides beyond which a band says which way round a channel is."""
-OFTEN, BLOCK = 6, 1024
+AT_ONCE = 16
+"""Spans whose spectra are held at once."""
+OFTEN, BLOCK = 6, 128
 """How often a change is asked for within what it is held against, and how many times at once."""
 
 
@@ -59,8 +61,6 @@ class Ratios:
 
     def add(self, x: FloatArray) -> None:
         """Take samples (channels, n) without holes."""
-        from scipy.fft import rfft
-
         if self.count < 2 or len(self.edges) <= BANDS:
             return
         whole = np.concatenate([self.tail, x.astype(np.float32)], axis=-1, dtype=np.float32)
@@ -69,13 +69,19 @@ class Ratios:
         if not full:
             return
         rows = np.moveaxis(whole[:, :full].reshape(self.count, -1, self.size), 0, 1)
+        self.met += [self._powers(rows[k : k + AT_ONCE]) for k in range(0, len(rows), AT_ONCE)]
+
+    def _powers(self, rows: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+        """Return what each two channels have in common in spans (m, channels, n): (m, b, pairs)."""
+        from scipy.fft import rfft
+
         lines = rfft((rows - rows.mean(-1, keepdims=True)) * self.window)[..., : self.edges[-1]]
         parts = lines.view(np.float32)  # real and imaginary, side by side
         powers: list[npt.NDArray[np.float32]] = []
         for k in range(len(self.edges) - 1):
             band = parts[..., 2 * self.edges[k] : 2 * self.edges[k + 1]]
             powers.append((band @ np.swapaxes(band, -1, -2))[:, *self.pairs])
-        self.met.append(np.stack(powers, 1))
+        return np.stack(powers, 1)
 
     def found(self) -> list[Places]:
         """Return where the gain of each channel changes, and by what factor.

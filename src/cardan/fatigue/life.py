@@ -420,16 +420,16 @@ def _felt(
     pieces = recording.pieces(names, size=_few(len(how) * len(plan.gauges)))
     raw = _told(pieces, name=name, rate=recording.rate, progress=progress)
 
-    def stress() -> Iterator[FloatArray]:
-        for clean in treated(raw, how=[[w.treatments[n] for n in names] for w in how]):
-            rows = [np.stack([x[place[c]] for c in g.channels]) for x in clean for g in plan.gauges]
-            if seen is not None:
-                for k in range(len(plan.gauges)):
-                    seen(k, rows[k])
-            each = zip(plan.gauges * len(how), rows, strict=True)
-            yield np.stack([g.stress(r) for g, r in each])
+    def rows(clean: Iterable[FloatArray]) -> Iterator[FloatArray]:
+        for way, x in enumerate(clean):
+            for k, gauge in enumerate(plan.gauges):
+                channels = x[[place[c] for c in gauge.channels]]
+                if seen is not None and not way:
+                    seen(k, channels)
+                yield gauge.stress(channels)
 
-    made = stress()
+    each = treated(raw, how=[[w.treatments[n] for n in names] for w in how])
+    made = (np.stack([*rows(clean)]) for clean in each)
     if plan.low_pass is not None:
         made = low_pass(plan.low_pass, rate=recording.rate)(made)
     for felt in made:
@@ -492,7 +492,7 @@ def counted(
     coarse, fine = tee(felt) if sharp else (felt, iter(()))
     # Of each sample there are so many more, of every gauge in every way.
     few = _few(len(how) * len(gauges)) // BETWEEN
-    between = finer(cut((x[:, sharp] for x in fine), size=few))
+    between = finer(x[:, sharp] for x in cut(fine, size=few))
     with ThreadPoolExecutor(4) as pool:
 
         def sharpened(pieces: Iterable[FloatArray]) -> None:
@@ -792,26 +792,27 @@ def _of_one(
     shaft = how.suspects[0].tone.rotation
     joints = _Joints(plan, recording, angle or Angle(shaft), torque, how, engine_orders)
     stress = stresses(recording, plan=plan, healths=healths, name="cause", progress=progress)
-    times: list[FloatArray] = []
-    amplitudes: list[FloatArray] = []
+    # As numbers: of a day small arrays that stay would keep the room of large ones apart.
+    times: list[float] = []
+    amplitudes: list[list[float]] = [[] for _ in plan.gauges]
     row = how.causes.index(JOINTS)
 
     def stretches() -> Iterator[FloatArray]:
         for stretch, parts in parts_of(joints.taken_off(stress), how=how.beside_joints):
             theirs, order2 = joints.part(stretch.start, stretch.signal.shape[1])
             parts[row] += theirs
-            times.append(stretch.time)
+            times.extend(stretch.time.tolist())
             place = np.rint(stretch.time * recording.rate).astype(np.intp) - stretch.start
             middle = np.clip(place, 0, order2.shape[1] - 1)
-            amplitudes.append(np.asarray(order2[:, middle], dtype=np.float64))
+            for known, more in zip(amplitudes, order2[:, middle].tolist(), strict=True):
+                known.extend(more)
             yield parts
 
     found = attribute(
         stretches(), causes=how.causes, curve=plan.curve, correction=plan.correction,
         rule=plan.rule,
     )  # fmt: skip
-    time = np.concatenate(times)
-    order2 = np.concatenate(amplitudes, axis=-1)
+    time, order2 = np.array(times), np.array(amplitudes)
     load = None
     comparisons: list[Comparison] = []
     if torque is not None:
@@ -939,7 +940,7 @@ class _Joints:
             count.add(x)
         del answers, piece, theirs, order2
         for first in range(0, left.shape[1], SIZE // 8):
-            yield left[:, first : first + SIZE // 8]
+            yield left[:, first : first + SIZE // 8].copy()  # a view would hold all of it
 
     def part(self, start: int, n: int) -> "tuple[_Coarse, _Coarse]":
         """Return their stress and its order 2 in a stretch that has passed, (gauges, n) each."""

@@ -44,10 +44,10 @@ class Rotation:
     turns: FloatArray
 
     def __post_init__(self) -> None:
-        if self.time.size < 2 or not (np.diff(self.time) > 0).all():
+        if self.time.size < 2 or not (self.time[1:] > self.time[:-1]).all():
             msg = "a rotation needs two or more rising times"
             raise DesignError(msg)
-        if not (np.diff(self.turns) >= 0).all():
+        if not (self.turns[1:] >= self.turns[:-1]).all():
             msg = "a rotation must not turn back"
             raise DesignError(msg)
 
@@ -72,8 +72,11 @@ class Rotation:
         t = np.asarray(time, float)
         # Of a day's drive only what is asked is derived, and an hour at once.
         count = max(min(self.time.size // DERIVED, t.size), 1)
-        parts = [self._speed(part) for part in np.array_split(t.ravel(), count)]
-        return np.concatenate(parts).reshape(t.shape)
+        found = np.empty(t.size)
+        parts = (np.array_split(x, count) for x in (t.ravel(), found))
+        for at, part in zip(*parts, strict=True):
+            part[:] = self._speed(at)
+        return found.reshape(t.shape)
 
     def _speed(self, t: FloatArray) -> FloatArray:
         if not t.size:

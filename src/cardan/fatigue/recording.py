@@ -119,10 +119,10 @@ def cut(pieces: Iterable[FloatArray], *, size: int) -> Iterator[FloatArray]:
         if count >= size:
             whole = np.concatenate(held, axis=-1) if len(held) > 1 else held[0]
             full = count - count % size
+            # A view would hold all of it, and the pieces it was made of be there twice.
+            held, count = [whole[..., full:].copy()], count - full
             for start in range(0, full, size):
                 yield whole[..., start : start + size]
-            # A view would hold all of it.
-            held, count = [whole[..., full:].copy()], count - full
             del whole
     if count:
         yield np.concatenate(held, axis=-1)

@@ -274,9 +274,8 @@ class _Case:
 
     def size(self, wave: ComplexArray) -> FloatArray:
         """Return the amplitude (n,) at all samples of a wave (m,)."""
-        return np.interp(
-            np.arange(self.stress.size), np.arange(self.x.size) * self.every, np.abs(wave)
-        )
+        place = np.arange(self.stress.size, dtype=float)
+        return np.interp(place, place[:: self.every][: self.x.size], np.abs(wave))
 
     @cached_property
     def _thin(self) -> float:

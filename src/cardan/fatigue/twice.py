@@ -17,6 +17,8 @@ LENGTH = 16
 SECONDS, FEWEST, MOST = 0.5, 4, 0.5
 """Shortest distance of a copy, and fewest chosen samples in it; and of all, the share from which
 whoever made the recording repeats, as a test bench in coarse steps."""
+PARTS = 8
+"""Of all fingerprints, by their first bits: those of one are held against each other at once."""
 _MIX = np.uint64(0x9E3779B97F4A7C15)
 
 
@@ -50,15 +52,10 @@ class Twice:
     def found(self) -> IntArray:
         """Return the runs (k, 2) of samples that were there before."""
         none = np.empty((0, 2), np.intp)
-        if not self.met:
-            return none
-        pieces = zip(self.starts, self.met, strict=True)
-        at = np.concatenate([start + m[0].astype(np.intp) for start, m in pieces])
-        told = np.concatenate([m[1] for m in self.met])
-        order = np.argsort(told, kind="stable")
-        same = told[order][1:] == told[order][:-1]
-        first, again = at[order][:-1][same], at[order][1:][same]
-        if not FEWEST <= again.size <= MOST * at.size:
+        pairs = [self._pairs(part) for part in range(PARTS)]
+        first, again = (np.concatenate(ends) for ends in zip(*pairs, strict=True))
+        chosen = sum(met.shape[1] for met in self.met)
+        if not FEWEST <= again.size <= MOST * chosen:
             return none
         lag = again - first
         order = np.lexsort((again, lag))
@@ -69,3 +66,16 @@ class Twice:
         last = np.append(begin[1:] - 1, again.size - 1)
         long = (last - begin + 1 >= FEWEST) & (lag[begin] >= SECONDS * self.rate)
         return np.stack([again[begin[long]], again[last[long]] + LENGTH], -1)
+
+    def _pairs(self, part: int) -> tuple[IntArray, IntArray]:
+        """Return samples (k,) and where what follows them comes again, of a part of all."""
+        places, prints = [np.empty(0, np.intp)], [np.empty(0, np.uint32)]
+        for start, (chosen, fingerprint) in zip(self.starts, self.met, strict=True):
+            own = fingerprint // np.uint32(2**32 // PARTS) == part
+            places.append(start + chosen[own].astype(np.intp))
+            prints.append(fingerprint[own])
+        at, told = np.concatenate(places), np.concatenate(prints)
+        order = np.argsort(told, kind="stable")
+        at, told = at[order], told[order]
+        same = told[1:] == told[:-1]
+        return at[:-1][same], at[1:][same]

@@ -1043,16 +1043,18 @@ def _speeds(
     values, rate = _every(recording, channel)
     if taken in DRIVEN:
         runs = no_value(values * DRIVEN[taken] * 3.6, rate=rate, of=VEHICLES)
+        values *= unit
     else:
-        runs = no_value(values * unit * 60, rate=rate, of=SHAFTS)
-    _turning(channel, values * unit, taken or "")
-    return values * unit, rate, runs
+        values *= unit
+        runs = no_value(values * 60, rate=rate, of=SHAFTS)
+    _turning(channel, values, taken or "")
+    return values, rate, runs
 
 
 def _turning(channel: str, speed: FloatArray, unit: str) -> None:
     """Refuse a speed (n,) turns/s, half of which no shaft of a vehicle makes."""
     moving = speed[speed > 0]
-    typical = float(np.median(moving)) if moving.size else 0.0
+    typical = float(np.median(moving, overwrite_input=True)) if moving.size else 0.0
     if typical > FASTEST_SHAFT:
         msg = (
             f"{channel}: in {unit} it turns at {typical * 60:.4g} rpm, faster than any shaft or "
@@ -1070,8 +1072,9 @@ def _every(recording: Recording, channel: str) -> tuple[FloatArray, float]:
         read.append(np.array(x[-start % every :: every], float))
         start, count = start + x.size, count + read[-1].size
         while count > MOST:
-            read = [np.concatenate(read)[::2].copy()]
-            every, count = 2 * every, read[0].size
+            before = np.cumsum([0, *(part.size for part in read)])
+            read = [part[at % 2 :: 2].copy() for part, at in zip(read, before, strict=False)]
+            every, count = 2 * every, sum(part.size for part in read)
     return np.concatenate(read or [np.empty(0)]), recording.rate / every
 
 

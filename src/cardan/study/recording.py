@@ -198,10 +198,9 @@ class RecordingStudy:
         campaign.hold(recording, samples=samples)
         beyond = campaign.beyond(seconds)
         angle = campaign.shaft(recording)
-        shaft = None if angle is None else angle.rotation
         ends = _unsaid(campaign, angle, seconds)
         recording = replace(recording, notes=(*recording.notes, *beyond, *ends))
-        plan = replace(plan, fastest=_fastest(shaft))
+        plan = replace(plan, fastest=_fastest(angle))
         lives = room.counted(
             recording, plan=plan, healths=healths, distance=_distance(campaign, angle, seconds),
             progress=progress,
@@ -865,13 +864,13 @@ def _unspoilt(causes: Causes, lives: Sequence[GaugeLife]) -> Causes:
     )
 
 
-def _fastest(shaft: Rotation | None) -> float:
+def _fastest(angle: Angle | None) -> float:
     """Return how fast a shaft's order 2 moves, Hz, but for a twentieth of its time under way."""
-    if shaft is None:
+    if angle is None:
         return 0.0
-    speed = shaft.speed(shaft.time)
+    speed = angle.rotation.speed(angle.rotation.time)
     moving = speed[speed > 0.5]
-    return 2 * float(np.quantile(moving, 0.95)) if moving.size else 0.0
+    return 2 * float(np.quantile(moving, 0.95, overwrite_input=True)) if moving.size else 0.0
 
 
 def _masked_out(recording: Recording, plan: Plan, lives: Sequence[GaugeLife]) -> None:
