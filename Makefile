@@ -55,7 +55,7 @@ office: $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
 	$(BIN)/python -m pytest -q -m "office" tests/office
 
 browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core $(PAGE)  ## pages read in Chromium
-	$(BIN)/python -m pytest -q -m "browser" tests/browser
+	$(PYTEST) -m "browser" tests/browser
 
 pictures: $(VENV)/cardan-browser $(VENV)/cardan-test $(PAGE)   ## the workbench's pictures in docs, taken anew
 	$(BIN)/python docs/pictures.py
