@@ -939,6 +939,8 @@ BRACKET = (
            "unit/test_bracket_chapter.py::test_what_gauges_may_read_wrong_is_in_stress_and_life", "unit/test_bracket_chapter.py"),
     mutant("bracket/solve.py", "if task.reads and", "if False and", "gauges that forces rest on are read like others",
            "unit/test_bracket_units.py::test_gauges_that_forces_are_read_from_mirror_each_other", "unit/test_bracket_units.py"),
+    mutant("bracket/elastic.py", "found[loose] += step", "found[: len(step)] += step", "what is solved again is added to other loads",
+           "unit/test_bracket_units.py::test_loads_whose_balance_is_missed_are_solved_again_together"),
     mutant("bracket/elastic.py", "_STILL = 1e-8", "_STILL = 1e-9", "rounding in a thin sheet counts as not being held",
            "unit/test_bracket_units.py::test_what_rounding_moves_is_no_lack_of_equilibrium", "unit/test_bracket_units.py"),
     mutant("bracket/gauges.py", "np.diff([at.of(nodes, nodes.points) for at in grid], axis=0)",

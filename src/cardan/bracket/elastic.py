@@ -293,24 +293,27 @@ class Elastic:
         found = self._yielding(each * free)
         if self._balances(found, each):
             return found.reshape(loads.shape)
-        for load, u in zip(each, found, strict=True):
-            size = max(float(np.linalg.norm(load)), 1e-300)
-            for _ in range(2):
-                left = (load - self.residual(u)) * free
-                if np.linalg.norm(left) <= _BALANCED * size:
-                    break
-                step = self._yielding(left[None])[0]  # of refinement: another substitution
-                u += step
-                # The forces inside a thin sheet are so much larger than its load that their
-                # last digits miss it by more: that the displacements stay is what counts.
-                if np.linalg.norm(step) <= still * np.linalg.norm(u):
-                    break
-            else:
-                msg = (
-                    "the bracket is not in equilibrium: is every direction held? "
-                    "Pick bolt faces that keep it from moving and turning"
-                )
-                raise NotConverged(msg)
+        size, loose = np.linalg.norm(each, axis=1), np.arange(len(each))
+        for _ in range(2):
+            left = np.stack([each[k] - self.residual(found[k]) for k in loose]) * free
+            off = ~(np.linalg.norm(left, axis=1) <= _BALANCED * size[loose])
+            loose, left = loose[off], left[off]
+            if not loose.size:
+                break
+            step = self._yielding(left)  # of refinement: another substitution
+            found[loose] += step
+            # The forces inside a thin sheet are so much larger than its load that their last
+            # digits miss it by more: that the displacements stay is what counts.
+            moved = np.linalg.norm(found[loose], axis=1)
+            loose = loose[~(np.linalg.norm(step, axis=1) <= still * moved)]
+            if not loose.size:
+                break
+        else:
+            msg = (
+                "the bracket is not in equilibrium: is every direction held? "
+                "Pick bolt faces that keep it from moving and turning"
+            )
+            raise NotConverged(msg)
         return found.reshape(loads.shape)
 
     def _yielding(self, loads: FloatArray) -> FloatArray:

@@ -364,7 +364,7 @@ def _opened(reader: Callable[[Path], Any], path: Path) -> tuple[Any, str]:
         sys.unraisablehook = hook
 
 
-AT_ONCE, GLANCE = 1 << 24, 1 << 12
+AT_ONCE, GLANCE = 1 << 21, 1 << 12
 """Bytes of an MDF4's records read at once: it is walked once, not from its beginning again; and
 when its channels are looked at for what they are."""
 
