@@ -49,7 +49,7 @@ bracket: $(VENV)/cardan-bracket $(VENV)/cardan-test  ## the bracket's tests; wit
 	else echo "CalculiX is not installed (apt-get install calculix-ccx): not compared with it"; fi
 
 long: $(VENV)/cardan-bracket $(VENV)/cardan-oracles $(VENV)/cardan-test  ## what takes hours: CalculiX's contact, hundreds of drives; by hand
-	$(PYTEST) -m "long"
+	$(PYTEST) --dist loadscope -m "long"
 
 office: $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
 	$(BIN)/python -m pytest -q -m "office" tests/office
