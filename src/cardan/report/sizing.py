@@ -109,6 +109,12 @@ def lines(of: Sizing, say: Language = EN) -> Iterator[str]:
         yield say("Nothing on offer answers")
         for one in of.hopeless:
             yield from _wrapped(hopeless(one, say, several=several), first="  ", then="    ")
+    if of.beyond:
+        yield ""
+        yield say("No part is sought for what fails all the same")
+        for one in of.beyond:
+            text = f"{one.line}: {sentence(one, say)}" if several else sentence(one, say)
+            yield from _wrapped(text, first="  ", then="    ")
     if missed:
         yield ""
         yield from _wrapped(

@@ -144,6 +144,15 @@ class Sizing:
         masses = [r.offer.mass for r in self.remedies]
         return None if None in masses else sum(m for m in masses if m is not None)
 
+    @property
+    def beyond(self) -> tuple[Check, ...]:
+        """What fails with all parts in place and no part is sought for, the worst of a quantity."""
+        worst: dict[tuple[str, str], Check] = {}
+        for one in sorted(self.approval.checks, key=_badness):
+            if one.grade == "fail" and one.quantity not in WAYS:
+                worst.setdefault((one.line, one.quantity), one)
+        return tuple(worst.values())
+
 
 def sizing(
     application: Application,
