@@ -415,7 +415,9 @@ def _read(
         reader: Any = pacsv.open_csv(
             path,
             read_options=pacsv.ReadOptions(
-                skip_rows=form.first, column_names=names, block_size=1 << 20,
+                skip_rows=form.first, column_names=names,
+                # Some forty such pieces are under way at once; a row has to lie within one.
+                block_size=4 * _HEAD,
                 encoding={"utf-8": "utf8"}.get(form.encoding, form.encoding),
             ),
             parse_options=pacsv.ParseOptions(
