@@ -3,6 +3,7 @@
 import re
 import sys
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ from cardan.bracket.stress import extremes, superpose, von_mises
 from cardan.bracket.surface import peaks
 from cardan.model.bracket import Bracket, Gauge, LShape, Pick, UShape
 from cardan.report.language import Language
-from cardan.study.bracket_judge import _pulls_off, _stressed
+from cardan.study.bracket_judge import _pulls_off, _stressed, _Way
 
 stresses = arrays(float, (5, 6), elements=st.floats(-1e9, 1e9))
 U = {
@@ -382,3 +383,12 @@ def test_forces_read_by_somebody_are_off_where_he_read_them():
     assert gains[-1] < 0.2 * gains[0]
     assert back.ways_off(np.array([10.0, 500, 40])).T @ ways[-1] == pytest.approx(0, abs=1e-6)
     assert back.held_off @ ways[0] == pytest.approx(0.2 * ways[0])
+
+
+@pytest.mark.parametrize("force", [0.0, 500.0])
+def test_a_long_recording_that_stands_still_is_one_moment(force):
+    """A dead sensor, or a parked truck: nothing turns, and the program said it was at fault."""
+    still = np.zeros((2001, 9))
+    still[:, 0] = force
+    way: Any = SimpleNamespace(worth=np.ones(9))
+    assert _Way.telling(way, still).tolist() == still[:1].tolist()

@@ -26,7 +26,14 @@ from cardan.report.contract import check
 from cardan.report.language import Language
 from cardan.report.wording import place
 from cardan.study.approval import assess
-from cardan.study.bracket import Bench, BracketAnswer, cases_of, checks_of, duty_of
+from cardan.study.bracket import (
+    Bench,
+    BracketAnswer,
+    _unanswered,
+    cases_of,
+    checks_of,
+    duty_of,
+)
 from cardan.study.bracket_judge import Case, Feature, Judged
 from cardan.study.bracket_life import (
     ALONE,
@@ -432,6 +439,16 @@ def test_a_recording_s_life_is_held_against_the_limit():
         ("morning", "sheet 1"): (pytest.approx(1e4), "fail"),
         ("morning", "weld toe 2"): (pytest.approx(2e4), "fail"),
     }
+
+
+@pytest.mark.parametrize(("curve", "needs"), [(None, "duty, and bracket.fatigue"), (CURVE, "duty")])
+def test_a_life_that_is_not_known_asks_for_nothing_the_file_has(curve, needs):
+    """A bracket with `fatigue` and without a duty cycle was told to give both."""
+    of: Any = SimpleNamespace(bracket=Bracket(shape=SHAPE, material=PLAIN, fatigue=curve))
+    judged: Any = SimpleNamespace(features=(), outcomes=(), duty=())
+    limit = Limit(quantity="bracket_life", maximum=1e6, sense=">=", source=MINER)
+    (found,) = _unanswered(of, judged, (limit,))
+    assert found.needs == (needs,)
 
 
 def test_a_life_says_between_what_it_lies():

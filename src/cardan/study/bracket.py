@@ -264,7 +264,7 @@ def _unanswered(
     needs = {
         "bracket_stress_utilisation": ("bracket.material with its yield strength",),
         "bracket_fatigue_utilisation": ("bracket.fatigue",),
-        "bracket_life": ("duty, and bracket.fatigue",),
+        "bracket_life": ("duty" if of.bracket.fatigue else "duty, and bracket.fatigue",),
         "bracket_slip_utilisation": ("bracket.bolts",),
         "bracket_resonance": ("speed_rpm",),
     }

@@ -456,6 +456,8 @@ class _Way:
             return loads
         ways = along(loads, self.worth, alike=False)
         most = share * float(np.ptp(ways, axis=0).max())
+        if not most:  # a sensor that stands still, or reads nothing
+            return loads[:1]
         kept = [turns(gone, gate=most / np.ptp(gone)) for gone in ways.T if np.ptp(gone) > 0]
         return loads[np.unique(np.concatenate(kept))]
 
