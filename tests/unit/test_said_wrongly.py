@@ -402,6 +402,19 @@ def test_a_speed_that_is_missing_or_stands_still_acquits_nobody(tmp_path, innoce
     assert finding(written(tmp_path, {**innocent, "rpm": holes}))[0] == "innocent"
 
 
+def test_damage_done_while_nothing_told_the_speed_acquits_nobody(tmp_path, innocent):
+    """A bus silent for a quarter of the drive, its worst: innocent to 3 %, where all was theirs."""
+    dark = (T > 25) & (T < 40)
+    silent = {**innocent, **{name: np.where(dark, 0, innocent[name]) for name in ("rpm", "eng")}}
+    told, _, (_, high) = finding(written(tmp_path, silent))
+    assert (told, high) == ("cannot tell", pytest.approx(0.3, abs=0.05))  # a quarter of the damage
+    rough = {**silent, "S1": silent["S1"] * np.where(dark, 3, 1)}
+    told, _, (_, high) = finding(written(tmp_path, rough))
+    assert (told, high) == ("cannot tell", pytest.approx(1, abs=0.01))
+    calm = {**silent, "S1": silent["S1"] * np.where(dark, 0.3, 1)}
+    assert finding(written(tmp_path, calm))[0] == "innocent"
+
+
 def test_how_long_nothing_says_how_fast_a_shaft_turned(innocent):
     """Of a tenth of a second now and then the engine's steady speeds made gears between them."""
     speed = innocent["rpm"] / 60

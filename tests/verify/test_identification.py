@@ -237,6 +237,35 @@ def test_what_is_told_is_what_the_contract_says(told):
     assert list(check.iter_errors(found | {"changed": [promise | {"hour": 1}]}))
 
 
+def test_a_line_of_which_nothing_is_told_promises_nothing(told, tmp_path):
+    """Its order 2 was taken for road, and stayed through any cure: 1.504 h became 1.505."""
+    folder, _, _ = told
+    time, _, torque, tacho, speed = np.loadtxt(folder / "run.csv", delimiter=",", skiprows=1).T
+    angle = 2 * np.pi * np.cumsum(speed) / 60 * (time[1] - time[0])
+    rng = np.random.default_rng(3)
+    gauge = 25 * rng.normal(size=time.size).cumsum() / np.sqrt(time.size) + 20 * np.cos(2 * angle)
+    rows = np.stack([time, gauge, torque, tacho, speed], axis=-1)
+    np.savetxt(
+        tmp_path / "other.csv", rows, delimiter=",", comments="",
+        header="time,S1 [MPa],torque [kNm],tacho [V],speed [rpm]", fmt="%.6g",
+    )  # fmt: skip
+    done = CliRunner().invoke(
+        command,
+        [
+            str(tmp_path / "other.csv"), "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho",
+            "--torque", "torque", "--application", str(folder / "line.yaml"), "--state",
+            "as given", "--unit-stress", "S1=0,9,30", "--identify", "--json",
+            str(tmp_path / "told.json"), "--changed", str(folder / "stiff.yaml"), "--accept",
+            "drift",
+        ],
+    )  # fmt: skip
+    assert done.exit_code == 0, done.output
+    found = json.loads((tmp_path / "told.json").read_text())
+    assert found["identification"]["doubts"]
+    assert "changed" not in found
+    assert "nothing is promised of the changed line" in done.output
+
+
 def test_the_load_history_is_the_force_on_the_bearing(application):
     """Against the force that the generator's springs had: 8 % rms, the passing of a mode too."""
     truth = replace(TRUE, mode=None)

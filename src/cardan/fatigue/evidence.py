@@ -13,6 +13,8 @@ ACQUITTED = 0.25
 """Share of the damage up to which they are innocent, at most."""
 CONVICTED = 0.35
 """From which they are guilty, at least, if half of it is theirs most likely."""
+UNHEARD_OF = 0.05
+"""Share of the damage, done at a speed that nobody knows, from which that is said."""
 
 UNTRUSTED = said("the speed gives no angle to trust: all that is near order 2 may be theirs")
 UNLOADED = said("no torque tells when the joints pull: all that is near order 2 may be theirs")
@@ -72,12 +74,16 @@ SWAPPED = said(
     "the engine turns at less than six tenths of the shaft's speed, as in no gear: are the two "
     "swapped, or is one wrong?"
 )
+MEANWHILE = said(
+    "damage was done while nothing said how fast the shaft turned: all of that may be theirs"
+)
 SPOILT = said("the gauge is vetoed: whose the damage is hangs on what spoiled the recording")
 
 DOUBTS = (
     STANDING,
     UNSEEN,
     SWAPPED,
+    MEANWHILE,
     SPOILT,
     UNTRUSTED,
     UNLOADED,
@@ -158,6 +164,14 @@ class Evidence:
         """Return evidence that tells nothing, for a doubt."""
         low = min(self.interval[0], 0.0)
         return replace(self, interval=(low, 1.0), doubts=(doubt, *self.doubts))
+
+    def with_unheard(self, share: float) -> "Evidence":
+        """Return it where a share of the damage was done at a speed that nobody knows."""
+        if not share > 0:
+            return self
+        low, high = self.interval
+        doubts = (*self.doubts, MEANWHILE) if share > UNHEARD_OF else self.doubts
+        return replace(self, interval=(low, min(high + share, 1.0)), doubts=doubts)
 
     @property
     def finding(self) -> str:

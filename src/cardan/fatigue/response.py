@@ -268,6 +268,15 @@ class _Case:
         """Return the share of damage that goes with a wave (m,)."""
         return 1 - self.damage(self.stress - self.at_all(wave)) / self.whole
 
+    @cached_property
+    def unheard(self) -> float:
+        """Return the share of damage done while nothing says how fast the shaft turned."""
+        time = self.start + np.arange(self.stress.size) / (self.rate * self.every)
+        said = ~self.angle.unsaid(time)
+        if said.all() or not self.whole > 0:
+            return 0.0
+        return 1 - self.damage(self.stress[said]) / self.whole if said.any() else 1.0
+
     def at_all(self, wave: FloatArray) -> npt.NDArray[np.floating]:
         """Return a wave (m,) at all samples (n,)."""
         return _back(wave, self.every, self.stress.size)
@@ -550,8 +559,10 @@ def identified(
     )  # fmt: skip
     if not case.options:
         nothing = Evidence(removed=0.0, interval=(0.0, 0.0), strength=0.0)
+        nothing = nothing.with_unheard(case.unheard)
         return Identified(nothing, np.zeros(stress.size), np.zeros(stress.size), case.whole)
-    return _not_locked(case) if case.line.strength < FOUND else _locked(case, seed)
+    answer = _not_locked(case) if case.line.strength < FOUND else _locked(case, seed)
+    return replace(answer, evidence=answer.evidence.with_unheard(case.unheard))
 
 
 def _not_locked(case: _Case) -> Identified:
@@ -586,7 +597,7 @@ def _not_locked(case: _Case) -> Identified:
     span = case.pulling(wave, span)
     low, high, theirs = span.low, min(span.high, 1.0), wave
     if there := case.following():
-        low, likely, theirs = there[0] - 0.01, max(likely, there[1]), there[2]
+        low, likely, theirs = min(there[:2]) - 0.01, max(likely, there[1]), there[2]
         span = span.doubting(PASSING)
         if low >= CONVICTED and case.aside:
             low, span = 0.0, span.doubting(SCALED)

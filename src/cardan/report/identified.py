@@ -83,6 +83,11 @@ def doubts(of: Identification, say: Language) -> list[str]:
     return [say("nothing is told: {doubt}", doubt=say.said(doubt)) for doubt in of.doubts]
 
 
+def unkept(say: Language) -> str:
+    """Return that of a line of which nothing is told no change is foretold."""
+    return say("nothing is promised of the changed line")
+
+
 def lines(of: Identification, say: Language = EN) -> Iterator[str]:
     """Yield what a recording says of its application as lines of text."""
     yield say(

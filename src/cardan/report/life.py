@@ -548,6 +548,8 @@ def _said_more(of: Heard, say: Language) -> Iterator[str]:
     if of.promised:
         yield ""
         yield from identified.kept(of.promised, say)
+    elif of.unkept:
+        yield f"  {identified.unkept(say)}"
 
 
 def misread(of: OtherWay, say: Language) -> Iterator[str]:

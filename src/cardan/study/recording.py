@@ -167,6 +167,12 @@ class Heard:
     otherwise: tuple[Otherwise, ...] = ()
     misread: tuple[OtherWay, ...] = ()
 
+    @property
+    def unkept(self) -> bool:
+        """Return whether a changed line was asked about, and nothing is known of the driven one."""
+        asked = self.campaign.changed is not None and self.identification is not None
+        return asked and not self.promised
+
 
 @dataclass(frozen=True)
 class RecordingStudy:
@@ -228,7 +234,7 @@ class RecordingStudy:
             identified = _identified(
                 campaign, recording, plan, angle, healths=healths, lives=lives, progress=progress
             )
-            if campaign.changed is not None:
+            if campaign.changed is not None and not identified.doubts:
                 kept = _promised(
                     campaign, recording, plan, identified, angle.rotation, healths=healths,
                     lives=lives, progress=progress,
