@@ -256,10 +256,13 @@ def test_a_line_of_which_nothing_is_told_promises_nothing(told, tmp_path):
             "--torque", "torque", "--application", str(folder / "line.yaml"), "--state",
             "as given", "--unit-stress", "S1=0,9,30", "--identify", "--json",
             str(tmp_path / "told.json"), "--changed", str(folder / "stiff.yaml"), "--accept",
-            "drift",
+            "drift", "--load-history", str(tmp_path / "load.csv"),
         ],
     )  # fmt: skip
-    assert done.exit_code == 0, done.output
+    # What was heard is told; a force of a line that nothing is known of is not.
+    assert done.exit_code == 2, done.output
+    assert "--load-history writes nothing: nothing is told of the line" in done.output
+    assert not (tmp_path / "load.csv").exists()
     found = json.loads((tmp_path / "told.json").read_text())
     assert found["identification"]["doubts"]
     assert "changed" not in found

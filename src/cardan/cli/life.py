@@ -389,9 +389,20 @@ def _thrifty() -> None:
 def _write_identified(
     campaign: Any, of: Any, corrected: Path | None, history: Path | None, changed: Path | None
 ) -> None:
-    """Write what follows from an identification, where there is one."""
+    """Write what follows from an identification, where there is one.
+
+    Raises
+    ------
+    DesignError
+        If it tells nothing of the line: an earlier file would be taken for its answer.
+    """
     if of.identification is None:
         return
+    asked = {"--corrected": corrected, "--load-history": history, "--changed-history": changed}
+    if of.identification.doubts and any(asked.values()):
+        name = next(name for name, path in asked.items() if path is not None)
+        msg = f"{name} writes nothing: nothing is told of the line by this recording"
+        raise DesignError(msg)
     if corrected is not None:
         write(corrected, of.identification.text())
     if history is not None:
