@@ -1611,7 +1611,7 @@ STUDY = (
     mutant("bracket/elastic.py", "if not part.any():", "if True:",
            "what is held in part is not held",
            "verify/test_bracket_elasticity.py::test_what_is_read_of_all_loads_at_once_is_what_the_engine_reads_of_one"),
-    mutant("bracket/elastic.py", "(G[..., j, :, i] + G[..., i, :, j]) / 2", "(G[..., j, :, i] + G[..., j, :, i]) / 2",
+    mutant("bracket/elastic.py", "strains[j, i, k] += 0.5", "strains[i, j, k] += 0.5",
            "what turns is strained",
            "verify/test_bracket_elasticity.py::test_what_is_read_of_all_loads_at_once_is_what_the_engine_reads_of_one"),
     mutant("bracket/elastic.py", "@ [64, 16, 4, 1]", "@ [0, 0, 0, 0]",
