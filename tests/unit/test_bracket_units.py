@@ -293,6 +293,33 @@ def test_the_same_bracket_is_told_the_same():
             np.testing.assert_allclose(a[f], b[f], rtol=1e-6)
 
 
+def test_loads_that_no_case_has_are_solved_on_the_last_mesh_alone(monkeypatch):
+    """Moments at a bearing that swings freely; nine were solved each time, and held either way."""
+    side = np.zeros((1, 9))
+    side[0, 1] = 1000.0
+    each = []
+    plain = Elastic.solve
+
+    def counted(self, loads, **told):
+        each.append(len(loads))
+        return plain(self, loads, **told)
+
+    monkeypatch.setattr(Elastic, "solve", counted)
+    firm = solid(U).held("clamped")
+    done = refined(replace(problem(), firm=firm, asked=(0,)), cases=[side], levels=1)
+    monkeypatch.undo()
+    assert each[:2] == [2, 2]
+    assert each[-2:] == [7, 7]
+    assert done.firm is not None
+    for way in (done.last, done.firm):
+        whole = way.elastic.solve(way.loads)
+        assert way.displacements == pytest.approx(whole, rel=1e-9, abs=1e-9 * abs(whole).max())
+        stress = way.elastic.stress_at_nodes(whole)
+        assert way.stress == pytest.approx(stress, rel=1e-6, abs=1e-9 * abs(stress).max())
+        read = way.zones.stress(way.elastic.nodes, stress)
+        assert way.unit == pytest.approx(read, rel=1e-6, abs=1e-9 * abs(read).max())
+
+
 def test_a_mesh_and_its_factors_go_before_the_next_is_solved(monkeypatch):
     """They stayed until the next was searched: 1.33 GB of the gallery's bracket, without 0.86."""
     side = np.zeros((1, 9))

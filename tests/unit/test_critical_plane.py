@@ -336,6 +336,16 @@ def test_a_turn_does_what_it_does_on_its_worst_plane(orders):
         assert told == pytest.approx(on_every_plane(unit, normals, loads), rel=1e-9)
 
 
+def test_of_two_places_of_a_pass_no_cycle_joins_both():
+    """One swings about 300 MPa, the other about -300: each 120, and from one to the other 420."""
+    unit = np.zeros((1, 1, 6))
+    unit[0, 0, 0] = 1e6
+    wave = 120 * np.cos(2 * np.pi * np.arange(32) / 32)[:, None]
+    places = Pass(np.stack([wave + 300, wave - 300]))
+    told, _ = plane_damage(unit, [[0, 0, 1]], [places], harm=harm)
+    assert told == pytest.approx([1.2**5 / 1e6], rel=1e-9)
+
+
 def test_a_road_does_what_it_does_on_its_worst_plane():
     """Three axes in bands of their own, and blows: within 1 % of all planes; 5 % were missed."""
     random, missed = np.random.default_rng(3), []

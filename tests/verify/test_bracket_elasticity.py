@@ -206,6 +206,11 @@ def test_a_stress_is_not_read_where_elements_are_pressed_flat():
     assert len(flat) > 10
     assert doubt[flat].min() > 0.05 * scale
     assert doubt.max() < 0.2 * scale
+    # Asked of some, it is what it is when all are.
+    some = np.array([flat[0], *range(0, len(points), 40)])
+    alone = found.scatter(known, stress, some)
+    assert alone[some] == pytest.approx(doubt[some], rel=1e-12)
+    assert np.count_nonzero(alone.any(axis=1)) <= len(some)
 
 
 def test_a_bend_is_read_right_by_elements_as_coarse_as_a_bracket_s():

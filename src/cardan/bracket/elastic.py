@@ -10,7 +10,7 @@ the time that its numbers one by one take.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -26,6 +26,7 @@ from cardan.model.material import Material
 
 IntArray: TypeAlias = npt.NDArray[np.int64]
 Progress: TypeAlias = Callable[[str], None]
+_Gradients: TypeAlias = Callable[..., FloatArray]
 
 _VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))
 # The engine's corners with the first two swapped: VTK's and Abaqus's sense of rotation.
@@ -43,6 +44,7 @@ _BALANCED = 1e-8
 _STILL = 1e-8
 """Share of themselves that displacements still move by, below which they are right. Rounding moves
 those of a sheet of 1.5 mm by 0.2 to 1.3e-9, anew at each step: threads add up as they come."""
+_EVERY = slice(None)
 _FEW = 3
 """Load vectors whose stress is held at once, in every element."""
 PER_RADIUS = 1.5
@@ -203,7 +205,7 @@ class Elastic:
         tell("factorising")
         other = replace(self, free_dofs=free, inverse=_factors(self.stiffness, free))
         # The same however it is held.
-        known_by = "mass nodes rigid _says _silent _mean _meeting _functions _nodal"
+        known_by = "mass nodes rigid _says _silent _mean _meeting _functions _nodal within"
         for known in known_by.split():
             other.__dict__[known] = getattr(self, known)
         return other
@@ -467,26 +469,51 @@ class Elastic:
         order = np.argsort(flat, kind="stable")
         return order, np.searchsorted(flat[order], np.arange(len(self.nodes.points) + 1))
 
-    def scatter(self, displacements: ArrayLike, smooth: FloatArray) -> FloatArray:
+    def scatter(
+        self, displacements: ArrayLike, smooth: FloatArray, at: IntArray | None = None
+    ) -> FloatArray:
         """How far the elements that meet at a node disagree on its stress, (n, c) Pa.
+
+        Of the nodes `at` which it is asked, by default of all; nil at others.
 
         The largest von Mises stress of what an element says, less the mean `smooth`
         (n, c, 6) Pa of them all: the estimate of Zienkiewicz and Zhu, Int. J. Numer. Meth.
         Eng. 24 (1987) 337, at a point. Elements pressed flat there have no say; where
         all are, what counts is what those round it disagree by.
         """
-        flat, says = self.nodes.elements.ravel(), self._says.ravel()
-        order, starts = self._meeting
+        asked = np.zeros(len(smooth), dtype=bool)
+        asked[slice(None) if at is None else at] = True
+        heard = asked.copy()
+        silent = {node: near for node, (near, _) in self._silent.items() if asked[node]}
+        for near in silent.values():
+            heard[near] = True
+        some = np.flatnonzero(heard[self.nodes.elements].any(axis=1))
+        flat, says = self.nodes.elements[some].ravel(), self._says[some].ravel()
+        order = np.argsort(flat, kind="stable")
+        meet, starts = np.unique(flat[order], return_index=True)
         displacements = np.asarray(displacements, dtype=float)
         read, found = self._nodal, np.zeros(smooth.shape[:2])
-        for c in range(0, len(displacements), _FEW):
+        for c in range(0, len(displacements) if len(some) else 0, _FEW):
             few = slice(c, c + _FEW)
-            raw = stress_of_gradients(read(displacements[few]), self.material)
+            raw = stress_of_gradients(read(displacements[few], some), self.material)
             off = von_mises(raw.reshape(len(flat), -1, 6) - smooth[flat, few])
-            found[:, few] = np.maximum.reduceat((off * says[:, None])[order], starts[:-1])
-        for node, (near, _) in self._silent.items():
+            found[meet, few] = np.maximum.reduceat((off * says[:, None])[order], starts)
+        for node, near in silent.items():
             found[node] = found[near].max(axis=0)
+        found[~asked] = 0.0
         return found
+
+    @cached_property
+    def within(self) -> Callable[[FloatArray], FloatArray]:
+        """What reads stress (elements, q, c, 6) Pa at points inside by which errors add up."""
+        return self.stress_on(self.rule())
+
+    @staticmethod
+    @cache
+    def rule() -> Any:
+        """Return those points, as the engine has them."""
+        ngs = engine().ngs
+        return ngs.IntegrationRule(ngs.TET, 3)
 
     def stress_on(self, rule: Any) -> Callable[[FloatArray], FloatArray]:
         """Return what reads stress (elements, q, c, 6) Pa at the points of a rule of the engine.
@@ -496,15 +523,13 @@ class Elastic:
         read, material = self._gradients(rule), self.material
         return lambda displacements: stress_of_gradients(read(displacements), material)
 
-    def _gradients(
-        self, rule: Any, carry: FloatArray | None = None
-    ) -> Callable[[FloatArray], FloatArray]:
+    def _gradients(self, rule: Any, carry: FloatArray | None = None) -> "_Gradients":
         """Return what reads gradients (elements, q, 3, c, 3) 1 of displacements (c, unknowns).
 
-        The first three are the directions in which, the last the displacements that change.
-        Those of the shape functions are known once, and multiply all vectors together; carried on
-        from the rule's points to others, where weights (others, q) say so. What is returned does
-        not hold on to the factors.
+        Of all elements, or of some. The first three are the directions in which, the last the
+        displacements that change. Those of the shape functions are known once, and multiply all
+        vectors together; carried on from the rule's points to others, where weights (others, q) say
+        so. What is returned does not hold on to the factors.
         """
         ngs = engine().ngs
         functions, kinds, ways = self._functions
@@ -523,13 +548,14 @@ class Elastic:
         shape = each.shape[:3]
         each = each.reshape(len(functions), -1, functions.shape[1])
 
-        def read(displacements: FloatArray) -> FloatArray:
-            return (each @ _rows(displacements)[functions]).reshape(*shape, -1, 3)
+        def read(displacements: FloatArray, some: Any = _EVERY) -> FloatArray:
+            found = each[some] @ _rows(displacements)[functions[some]]
+            return found.reshape(len(found), *shape[1:], -1, 3)
 
         return read
 
     @cached_property
-    def _nodal(self) -> Callable[[FloatArray], FloatArray]:
+    def _nodal(self) -> "_Gradients":
         """What reads gradients at the nodes of each element.
 
         Elements of second degree are most right at four points inside, and on curved faces least
@@ -789,9 +815,13 @@ def _uncoupled(stiffness: Any, free: BoolArray) -> Any:
 
 def stress_of_gradients(gradients: FloatArray, material: Material) -> FloatArray:
     """Stress (..., c, 6) Pa of gradients of displacement (..., 3, c, 3)."""
-    G = gradients
-    strain = [(G[..., j, :, i] + G[..., i, :, j]) / 2 for i, j in _VOIGT]
-    return hooke(np.stack(strain, axis=-1), material)
+    strains = np.zeros((3, 3, 6))  # of a unit of each gradient
+    for k, (i, j) in enumerate(_VOIGT):
+        strains[i, j, k] += 0.5
+        strains[j, i, k] += 0.5
+    each = np.moveaxis(gradients, -2, -3)  # one product of matrices, of numbers that lie together
+    stress = each.reshape(-1, 9) @ hooke(strains, material).reshape(9, 6)
+    return stress.reshape(*each.shape[:-2], 6)
 
 
 def hooke(strain: ArrayLike, material: Material) -> FloatArray:

@@ -83,6 +83,9 @@ class Problem:
         From the assembled solid to its load vectors (c, unknowns).
     size
         Largest edge of an element of the first mesh.
+    asked
+        Which of the loads are solved for on each mesh, whatever cases have of them; what none has
+        is asked of the last mesh alone.
     """
 
     shape: Any
@@ -96,6 +99,7 @@ class Problem:
     held_edges: Mapping[str, str] = field(default_factory=dict[str, str])
     degree: int = 2
     grading: float = 0.5
+    asked: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -105,6 +109,7 @@ class Solution:
     Attributes
     ----------
     displacements : (c, unknowns)
+        Nil of loads that were not asked yet, and so is their stress.
     stress : (n, c, 6) Pa
         At the nodes.
     unit : (places, c, 6) Pa
@@ -117,6 +122,14 @@ class Solution:
     stress: FloatArray
     zones: Zones
     unit: FloatArray
+
+    def under(self, some: BoolArray) -> "Solution":
+        """Return it solved for some more of its loads (c,)."""
+        moved, stress = self.displacements.copy(), self.stress.copy()
+        moved[some] = self.elastic.solve(self.loads[some])
+        stress[:, some] = self.elastic.stress_at_nodes(moved[some])
+        unit = self.zones.stress(self.elastic.nodes, stress)
+        return replace(self, displacements=moved, stress=stress, unit=unit)
 
     def kept(self) -> "Solution":
         """Return it without the factors of its solid."""
@@ -154,31 +167,36 @@ class Refined:
     watched_error: FloatArray
 
 
-def solution(problem: Problem, made: Any, *, tell: Progress = silent) -> Solution:
-    """Solve a problem on a mesh."""
+def solution(
+    problem: Problem, made: Any, *, some: BoolArray | None = None, tell: Progress = silent
+) -> Solution:
+    """Solve a problem on a mesh, under all of its loads or some (c,)."""
     body = elastic(
         made, problem.material, held=problem.held, held_edges=problem.held_edges,
         degree=problem.degree, tell=tell,
     )  # fmt: skip
-    return _under(problem, body, problem.loads(body), tell=tell)
+    return _under(problem, body, problem.loads(body), some, tell=tell)
 
 
-def held_anew(problem: Problem, before: Solution, *, tell: Progress = silent) -> Solution:
+def held_anew(
+    problem: Problem, before: Solution, *, some: BoolArray | None = None, tell: Progress = silent
+) -> Solution:
     """Solve a problem held its second way on the mesh of its first."""
     tell("the flange clamped")
     firm = replace(problem, held=problem.firm, clamps=tuple(problem.firm))
     body = before.elastic.held_otherwise(firm.held, tell=tell)
-    return _under(firm, body, before.loads, tell=tell)
+    return _under(firm, body, before.loads, some, tell=tell)
 
 
-def _under(problem: Problem, body: Elastic, loads: FloatArray, *, tell: Progress) -> Solution:
-    """Solve for load vectors (c, unknowns), and read stress where fatigue is asked."""
-    tell(f"solving for {len(loads)} loads")
-    displacements = body.solve(loads)
-    stress = body.stress_at_nodes(displacements)
+def _under(
+    problem: Problem, body: Elastic, loads: FloatArray, some: BoolArray | None, *, tell: Progress
+) -> Solution:
+    """Solve for some of the load vectors (c, unknowns), and read stress where fatigue is asked."""
+    some = np.ones(len(loads), dtype=bool) if some is None else some
+    tell(f"solving for {np.count_nonzero(some)} loads")
     zones = zones_of(body.nodes, held=problem.clamps, thickness=problem.thickness)
-    unit = zones.stress(body.nodes, stress)
-    return Solution(body, loads, displacements, stress, zones, unit)
+    nil = np.zeros((len(body.nodes.points), len(loads), 6))
+    return Solution(body, loads, np.zeros_like(loads), nil, zones, nil[:0]).under(some)
 
 
 def refined(
@@ -218,6 +236,8 @@ def refined(
     combos: FloatArray = np.zeros((0, 0))
     weight = np.asarray(weights, dtype=float)
     both, follow = bool(problem.firm), True
+    some = np.any([np.any(np.reshape(c, (-1, np.shape(c)[-1])), axis=0) for c in cases], axis=0)
+    some[list(problem.asked)] = True
     ways: list[Solution] = []
     sizes: list[int] = []
     for level in range(levels):
@@ -229,14 +249,14 @@ def refined(
         if ways and ways[0].elastic.unknowns * made.ne > most * ways[0].elastic.mesh.ne:
             break
         ways.clear()  # nothing else holds on to them: their factors go before the next are made
-        ways.append(solution(problem, made, tell=tell))
+        ways.append(solution(problem, made, some=some, tell=tell))
         sizes.append(ways[0].elastic.unknowns)
         if level == 0:
             combos = telling(ways[0].unit, cases)
         if seen:
             seen(ways[0])
         if both and follow:
-            ways.append(held_anew(problem, ways[0], tell=tell))
+            ways.append(held_anew(problem, ways[0], some=some, tell=tell))
         tell("errors from afar")
         looks.append(_look(problem, ways, combos, weight, points, before=looks))
         if both and level == 0:
@@ -250,6 +270,9 @@ def refined(
         ):
             break
         wanted += map(_rounded, looks[-1].finer)
+    if not some.all():
+        tell(f"solving for {np.count_nonzero(~some)} loads that no case has")
+        ways = [way.under(~some) for way in ways]
     drawn = nearest(ways[0].elastic.nodes, points)
     tops, watched = [look.tops for look in looks], [look.watched for look in looks]
     error = _of_features(tops, looks[-1].off, weight)
@@ -312,7 +335,8 @@ def _look(
     drawn = nearest(nodes, points)
     watched = drawn.of(nodes, von_mises(fields[0].smooth))
     # Of the face round it: at a corner that one element has to itself nobody disagrees.
-    rough = fields[0].scatter[nodes.faces[drawn.faces]].max(axis=1)
+    faces = nodes.faces[drawn.faces]
+    rough = fields[0].scatter(np.unique(faces))[faces].max(axis=1)
     moved = np.full(len(watched), np.inf) if first else _moved(before[-1].watched, watched)
     goals = [_goals(k, fields, tops, weight) for k in range(len(ways))]
     goals[0] += _watched(nodes, drawn, watched)
@@ -381,8 +405,8 @@ class _Field:
     Attributes
     ----------
     moved_by : (k, unknowns)
-    smooth, scatter : (n, k, 6) Pa, (n, k) Pa
-        Stress at the nodes, and what the elements that meet there disagree by.
+    smooth : (n, k, 6) Pa
+        Stress at the nodes.
     level : (places, k) Pa
         Von Mises stress where fatigue is asked.
     edge : (places,) m
@@ -396,7 +420,6 @@ class _Field:
     found: Solution
     moved_by: FloatArray
     smooth: FloatArray
-    scatter: FloatArray
     level: FloatArray
     edge: FloatArray
     could: FloatArray
@@ -418,8 +441,7 @@ class _Field:
             dict(zip(zones.features, of, strict=True))
             for of in (highest, where, _tops(zones, could)[0])
         )
-        scatter = found.elastic.scatter(moved_by, smooth)
-        return cls(found, moved_by, smooth, scatter, level, edge, could, tops, at, may_be)
+        return cls(found, moved_by, smooth, level, edge, could, tops, at, may_be)
 
     @property
     def short(self) -> dict[Feature, float]:
@@ -427,11 +449,15 @@ class _Field:
         most = {f: top.max() / max(self.tops[f].max(), 1e-300) for f, top in self.may_be.items()}
         return {f: float(m) - 1 for f, m in most.items()}
 
+    def scatter(self, at: IntArray) -> FloatArray:
+        """Return what the elements that meet at nodes disagree by, (n, k) Pa; nil elsewhere."""
+        return self.found.elastic.scatter(self.moved_by, self.smooth, at)
+
     def told_by_elements(self) -> Tops:
         """Return half of what elements disagree by (k,) Pa at tops, carried on to toes."""
         zones, nodes = self.found.zones, self.found.elastic.nodes
-        own = self.scatter[zones.own], zones.lines.doubt(nodes, self.scatter)
-        doubt = np.concatenate(own) / 2
+        scatter = self.scatter(zones.read_from(nodes, np.unique([*self.where.values()])))
+        doubt = np.concatenate([scatter[zones.own], zones.lines.doubt(nodes, scatter)]) / 2
         return {f: np.take_along_axis(doubt, at[None], 0)[0] for f, at in self.where.items()}
 
     def from_afar(self, goals: "Sequence[_Goal]") -> FloatArray:
@@ -589,7 +615,8 @@ def _worst_places(
 
     worst, feature = worst_of(mine.tops, tops)
     among = worst & (level >= _HIGH * feature)
-    off = _at_places(mine.found, mine.scatter)
+    there = zones.read_from(nodes, np.flatnonzero(among.any(axis=1)))
+    off = _at_places(mine.found, mine.scatter(there))
     rough = np.where(among, off / np.maximum(level, 1e-300), 0.0).max(axis=1)
     near, here = zones.lines.near, mine.edge
     finer = here * np.clip(np.sqrt(_TOLD / np.maximum(rough, 1e-300)), 0.35, 1.0)

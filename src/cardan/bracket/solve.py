@@ -46,6 +46,8 @@ _HIGH = 0.6
 _READ, _AFFORDED = 2, 150_000
 """Meshes on which gauges that forces rest on are read by elements of a degree more, and unknowns
 beyond which they are not: about 1.3 GB."""
+_FORCES = (0, 1, 2)
+"""Of the unit loads those of which gauges say what a mesh still changed."""
 _SMALLER = (0.7, 0.45)
 """Shares of the drawn fillet that are tried, one after the other."""
 
@@ -304,7 +306,7 @@ def solve(task: Task, tell: Progress) -> Solved:
     problem = Problem(
         shape=body.shape, material=task.material, held=body.held("sliding"),
         clamps=tuple(body.held("sliding")), firm=body.held("clamped"), loads=unit_loads, size=size,
-        thickness=body.thickness, degree=task.order,
+        thickness=body.thickness, degree=task.order, asked=_FORCES,
     )  # fmt: skip
     read: list[FloatArray] = []
 

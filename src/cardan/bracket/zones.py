@@ -124,6 +124,12 @@ class Zones:
         """Places (m + k, 3) m."""
         return np.concatenate([nodes.points[self.own], self.lines.points])
 
+    def read_from(self, nodes: Nodes, at: IntArray) -> IntArray:
+        """Return the nodes that the stress of places `at` is read from."""
+        own, line = at[at < len(self.own)], at[at >= len(self.own)] - len(self.own)
+        faces = [of.faces[line] for of in (self.lines.near, self.lines.far)]
+        return np.unique(np.concatenate([self.own[own], nodes.faces[faces].ravel()]))
+
     def stress(self, nodes: Nodes, stress: FloatArray) -> FloatArray:
         """Return the stress (m + k, c, 6) Pa that counts at each place, from that at the nodes."""
         return np.concatenate([stress[self.own], self.lines.structural(nodes, stress)])

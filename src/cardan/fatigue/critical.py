@@ -154,18 +154,26 @@ def swings(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArra
     first, and all of them where one of the others may go farther.
     """
     every = stress.reshape(-1, stress.shape[-1])
+    top, low = (of.reshape(stress.shape[:2]) for of in _searched(every, loads))
+    return (top + low) / 2, (top - low) / 2
+
+
+def _searched(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the highest and lowest (m,) Pa of unit stresses (m, c) under loads (t, c)."""
+    if len(loads) <= 2 * _LONG:
+        return _ends(stress, loads)
     mean = loads.mean(axis=0)
-    few, ways = outermost(loads, np.sqrt(np.mean(every**2, axis=0)), about=mean)
-    top, low = _ends(every, few)
-    middle = every @ mean
-    least = np.linalg.norm(every @ ways, axis=1)
+    few, ways = outermost(loads, np.sqrt(np.mean(stress**2, axis=0)), about=mean)
+    top, low = _ends(stress, few)
+    middle = stress @ mean
+    least = np.linalg.norm(stress @ ways, axis=1)
     left = np.flatnonzero(np.minimum(top - middle, middle - low) < least)
-    top[left], low[left] = _ends(every[left], loads) if len(left) else (0.0, 0.0)
-    return ((top + low) / 2).reshape(stress.shape[:2]), ((top - low) / 2).reshape(stress.shape[:2])
+    top[left], low[left] = _ends(stress[left], loads) if len(left) else (0.0, 0.0)
+    return top, low
 
 
 def _ends(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the highest and lowest (m,) Pa of unit stresses (m, c) under loads (t, c)."""
+    """Return the same, asked of every moment."""
     top, low = np.empty((2, len(stress)))
     for rows in _chunks(len(stress), len(loads)):
         history = loads @ stress[rows].T  # moments in rows: extremes of many planes at once
@@ -301,7 +309,8 @@ def _largest(
     Of a pass no longer than a turn no plane suffers more than that: of cycles with one top the
     larger fares worse, of two as large the one about the higher mean.
     """
-    worth = np.sqrt(np.mean(stress**2, axis=(0, 1)))
+    # Of planes half a right angle apart the mean is that of all.
+    worth = np.sqrt(np.mean(stress[:, :: max(stress.shape[1] // 4, 1)] ** 2, axis=(0, 1)))
     once, often = np.zeros(stress.shape[:2]), np.zeros(stress.shape[:2])
     for one in passes:
         more = np.broadcast_to(one.scale, len(stress))[:, None]
@@ -309,29 +318,33 @@ def _largest(
         brief = one.loads.shape[1] <= _TURN
         mean, amplitude = swings(stress, loads if brief else farthest(loads, worth))
         top, each = mean + amplitude, np.arange(len(stress))
-        once += one.times * harm(more * amplitude, more * mean, each)
+        largest = one.times * harm(more * amplitude, more * mean, each)
+        once += largest
         if not brief:
             often += np.inf
             continue
-        for size, count in _cycles(stress, one.loads, worth, amplitude):
-            often += one.times * count * harm(more * size, more * (top - size), each)
+        count, rest = _cycles(stress, one.loads, worth, amplitude)
+        often += count * largest
+        for size in rest:
+            often += one.times * harm(more * size, more * (top - size), each)
     return once, often
 
 
 def _cycles(
     stress: FloatArray, passes: FloatArray, worth: FloatArray, largest: FloatArray
-) -> list[tuple[FloatArray, float]]:
-    """Return amplitudes (m, planes) Pa that no cycle of a pass goes beyond, and how many of each.
+) -> tuple[int, list[FloatArray]]:
+    """Return how many cycles of a pass may be as large as the largest; amplitudes of the others.
 
-    Of stresses (m, planes, c) under passes (p, t, c), whose `largest` is known. There are no more
-    than the highest order has; of few orders the k-th largest is at most a k-th of all together.
+    Amplitudes (m, planes) Pa that none goes beyond, of stresses (m, planes, c) under passes
+    (p, t, c), whose `largest` is known. There are no more than the highest order has; of few orders
+    the k-th largest is at most a k-th of all together.
     """
     orders = _orders(passes, worth)
     count = int(orders.max(initial=1))
     if count == 1 or len(orders) > _ORDERS:
-        return [(largest, count)]
+        return count, []
     whole = _up_and_down(stress, passes, orders) / 4
-    return [(largest, 1), *((np.minimum(largest, whole / k), 1) for k in range(2, count + 1))]
+    return 1, [np.minimum(largest, whole / k) for k in range(2, count + 1)]
 
 
 def _up_and_down(stress: FloatArray, passes: FloatArray, orders: IntArray) -> FloatArray:
@@ -343,7 +356,7 @@ def _up_and_down(stress: FloatArray, passes: FloatArray, orders: IntArray) -> Fl
     waves = np.fft.rfft(passes, axis=1)[:, orders] * 2 / passes.shape[1]
     every, far = stress.reshape(-1, stress.shape[-1]), np.zeros(stress[..., 0].size)
     for wave in waves:
-        size = np.hypot(every @ wave.real.T, every @ wave.imag.T)
+        size = np.sqrt((every @ wave.real.T) ** 2 + (every @ wave.imag.T) ** 2)
         far = np.maximum(far, 4 * size @ orders)
     return far.reshape(stress.shape[:2])
 
@@ -416,7 +429,9 @@ def plane_damage(
     damage, best = rough.max(axis=1), rough.argmax(axis=1)
     # What breaks at once does endless damage, and no share of that is a number.
     share = closely * damage.max(initial=0.0) if closely else 0.0
-    counts = np.flatnonzero((damage > share) & (most.max(axis=1) > least))
+    # Where each pass has one cycle and no more, that is all of them.
+    more = (most > rough).any(axis=1) | any(len(one.loads) > 1 for one in passes)
+    counts = np.flatnonzero((damage > share) & (most.max(axis=1) > least) & more)
     every, most = np.arange(len(counts)), most[counts]
     brief = np.isfinite(most).all()
     exact = np.full(most.shape, -1.0)
