@@ -879,11 +879,11 @@ RECORDED = (
 )  # fmt: skip
 
 BRACKET = (
-    mutant("bracket/joint.py", "found[normal] = np.minimum(force[normal], 0.0)", "found[normal] = force[normal]",
+    mutant("bracket/joint.py", "presses = np.minimum(each[:, 2], 0.0)", "presses = each[:, 2]",
            "a flange never lifts off", "unit/test_bracket_joint.py"),
-    mutant("bracket/joint.py", "bears = -friction *", "bears = -2 * friction *",
+    mutant("bracket/joint.py", "np.minimum(1.0, -friction *", "np.minimum(1.0, -2 * friction *",
            "a flange rubs twice as much", "unit/test_bracket_joint.py"),
-    mutant("bracket/joint.py", "np.zeros(len(rows)), bolts.friction)", "np.zeros(len(rows)), 0.0)",
+    mutant("bracket/joint.py", "np.zeros_like(start), bolts.friction)", "np.zeros_like(start), 0.0)",
            "a flange is tightened without friction", "unit/test_bracket_joint.py::test_what_a_head_squeezes_out_rubs_from_the_start"),
     mutant("bracket/joint.py", "return replace(self, bed=self.thick)", "return self",
            "no frame gives", "unit/test_bracket_joint.py::test_a_frame_that_gives_evens_out_what_presses"),

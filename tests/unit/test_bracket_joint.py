@@ -24,7 +24,7 @@ def foot(*, out_of_middle=0.0):
     rigid = np.concatenate([ways, np.cross(at, ways)], axis=1)
     gives = np.where(np.arange(len(ways)) < 3 * len(places), 1e-9, 0.0)
     return Joint(
-        compliance=np.diag(gives), rigid=rigid, rubs=np.ones(len(places), dtype=bool),
+        compliance=np.diag(gives), rigid=rigid,
         stress=np.zeros((len(ways), 0, 6)), upright=2, bolts=1, area=np.full(len(places), 1e-4),
     )  # fmt: skip
 

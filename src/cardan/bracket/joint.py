@@ -28,10 +28,10 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from cardan.base.arrays import ArrayLike, BoolArray, FloatArray
+from cardan.base.arrays import ArrayLike, FloatArray
 from cardan.base.errors import DesignError, NotConverged
 from cardan.base.units import Metre
-from cardan.bracket.elastic import Elastic, IntArray, Progress
+from cardan.bracket.elastic import Elastic, Progress
 from cardan.bracket.engine import engine
 from cardan.bracket.shape import MOUNT
 from cardan.bracket.unit import UNITS
@@ -45,8 +45,11 @@ PATCH, _PARTS = 0.18, 10
 How far out a head's pressure reaches is what counts: a millimetre makes a flange a tenth softer.
 """
 _COARSE = 0.5
-"""Edge of a patch over a hole's diameter beyond a plate's thickness from the head: there it rubs
-no more."""
+"""Edge of a patch over a hole's diameter beyond a plate's thickness from the head.
+
+There it rubs too: as a bracket sways nearly half of what bolts press comes to lie there, and
+where it did not rub a joint was told to slide at little more than half of what friction bears.
+"""
 _STILL = 1e-6
 """Share of themselves that displacements may still move by: a thin sheet's floating have no more
 digits, and contact asks for fewer."""
@@ -71,7 +74,7 @@ then within 1 % of that after any number of tries."""
 _HALVINGS = 7
 """By which the load is found that a joint bears, to a hundredth."""
 _TELLS = 0.25
-"""Share of what balance lets a joint bear, below which that is told: contact bears 0.6 of it."""
+"""Share of what balance lets a joint bear, below which that is told: contact bears 0.8 of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,8 +90,6 @@ class Joint:
         Of the floating bracket.
     rigid : (q, 6)
         Work of each force on the six rigid motions.
-    rubs : (patches,)
-        Whether a patch has forces along the plane: those far from bolts only push.
     stress : (q, places, 6) Pa
         At the places that were asked for; in single precision, for there are many.
     upright : int
@@ -102,7 +103,6 @@ class Joint:
 
     compliance: FloatArray
     rigid: FloatArray
-    rubs: BoolArray
     stress: npt.NDArray[np.float32]
     upright: int
     bolts: int
@@ -123,7 +123,7 @@ class Joint:
     @property
     def patches(self) -> int:
         """How many patches of the plane there are."""
-        return len(self.rubs)
+        return len(self.area)
 
     def tightened(self, bolts: Bolts) -> "Tight":
         """Return the joint with its bolts tightened, all at once, and nothing on the bearing.
@@ -139,10 +139,9 @@ class Joint:
         """
         given = np.zeros(len(self.compliance))
         given[3 * self.patches + np.arange(self.bolts)] = bolts.preload
-        rows, normal, _ = self.rows
-        start = np.zeros(len(rows))
-        start[normal] = -bolts.preload
-        settled = self.settled(given, start, np.zeros(len(rows)), bolts.friction)
+        start = np.zeros(3 * self.patches)
+        start[2::3] = -bolts.preload
+        settled = self.settled(given, start, np.zeros_like(start), bolts.friction)
         if settled is None:
             msg = "the flange finds no rest against its frame: do its bolts lie in one line?"
             raise NotConverged(msg)
@@ -153,17 +152,15 @@ class Joint:
     ) -> tuple[FloatArray, FloatArray] | None:
         """Return forces (q,) that press and rub under those given, and how all move (q,) m.
 
-        `start` and `asked`, (rows,) N and m, as in `_settled`; None where none are found.
+        `start` and `asked`, (3 patches,) N and m, as in `_settled`; None where none are found.
         """
-        _, normal, flat = self.rows
 
         def allowed(force: FloatArray) -> FloatArray:
-            found = force.copy()
-            found[normal] = np.minimum(force[normal], 0.0)
-            rub = np.hypot(force[flat[0]], force[flat[1]])
-            bears = -friction * found[normal[self.rubs]]
-            found[flat] *= np.minimum(1.0, bears / np.maximum(rub, 1e-300))
-            return found
+            each = force.reshape(-1, 3)
+            presses = np.minimum(each[:, 2], 0.0)
+            rub = np.hypot(each[:, 0], each[:, 1])
+            share = np.minimum(1.0, -friction * presses / np.maximum(rub, 1e-300))
+            return np.column_stack([share * each[:, 0], share * each[:, 1], presses]).ravel()
 
         return _settled(
             self._pulls, given, self.compliance, self.rigid, start=start, asked=asked,
@@ -171,39 +168,26 @@ class Joint:
         )  # fmt: skip
 
     @cached_property
-    def rows(self) -> tuple[IntArray, IntArray, IntArray]:
-        """Which forces (rows,) the frame may have, and which of these are normal, which along."""
-        each = np.ones((self.patches, 3), dtype=bool)
-        each[:, :2] = self.rubs[:, None]
-        rows = np.flatnonzero(each)
-        place = np.zeros(3 * self.patches, dtype=np.int64)
-        place[rows] = np.arange(len(rows))
-        three = place.reshape(-1, 3)
-        return rows, three[:, 2], three[self.rubs, :2].T
-
-    @cached_property
     def gives(self) -> FloatArray:
-        """What each of its rows gives by itself, (rows,) m/N: the frame, what sticks a little."""
-        _, normal, flat = self.rows
-        gives = _STUCK * self._own
-        gives[normal] = 1 / (self.bed * self.area)
-        gives[flat] += gives[normal[self.rubs]]
-        return gives
+        """What each force of a patch gives by itself, (3 patches,) m/N: a frame, what sticks."""
+        gives = _STUCK * self._own.reshape(-1, 3)
+        gives[:, 2] = 1 / (self.bed * self.area)
+        gives[:, :2] += gives[:, 2:]
+        return gives.ravel()
 
     @cached_property
     def _own(self) -> FloatArray:
-        """How far each row moves under its own force, (rows,) m/N."""
-        rows, _, flat = self.rows
-        own = np.diagonal(self.compliance)[rows].copy()
-        own[flat] = own[flat].mean(axis=0)  # alike both ways, or friction would turn its force
-        return own
+        """How far each patch moves under its own forces, (3 patches,) m/N."""
+        own = np.diagonal(self.compliance)[: 3 * self.patches].reshape(-1, 3).copy()
+        own[:, :2] = own[:, :2].mean(axis=1)[
+            :, None
+        ]  # alike both ways, or friction would turn its force
+        return own.ravel()
 
     @cached_property
     def _pulls(self) -> list["_Pull"]:
-        rows = self.rows[0]
         return [
-            _Pull.of(self.compliance, self.rigid, rows, self.gives, firm * self._own)
-            for firm in _FIRM
+            _Pull.of(self.compliance, self.rigid, self.gives, firm * self._own) for firm in _FIRM
         ]
 
 
@@ -226,12 +210,12 @@ class Tight:
         """
         of = self.joint
         given = self.forces.copy()
-        given[: 3 * of.patches] = 0.0
+        mine = slice(3 * of.patches)
+        given[mine] = 0.0
         given[-len(UNITS) :] = loads
-        rows, normal, _ = of.rows
-        asked = self.moved[rows] + of.gives * self.forces[rows]  # what sticks, where it was left
-        asked[normal] = 0.0
-        settled = of.settled(given, self.forces[rows], asked, self.bolts.friction)
+        asked = self.moved[mine] + of.gives * self.forces[mine]  # what sticks, where it was left
+        asked[2::3] = 0.0
+        settled = of.settled(given, self.forces[mine], asked, self.bolts.friction)
         if settled is None:
             msg = (
                 f"no contact between flange and frame bears {np.round(np.asarray(loads)[:3])} N "
@@ -244,7 +228,7 @@ class Tight:
     def share(self, loads: ArrayLike) -> tuple[float, FloatArray]:
         """Return what share loads (9,) are of those along them under which it slips or opens.
 
-        Where balance bears more than four times as much that is told, which may be 0.6 of the
+        Where balance bears more than four times as much that is told, which may be 0.8 of the
         truth; else the load is found under which there is no contact.
 
         Returns
@@ -295,8 +279,8 @@ class Tight:
         work = of.rigid[: 3 * n].reshape(n, 3, 6)
         angle = 2 * np.pi * np.arange(_WAYS) / _WAYS
         along = self.bolts.friction * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-        rubbed = np.einsum("wk,pkr->pwr", along, work[of.rubs, :2]) - work[of.rubs, 2][:, None]
-        rays = np.concatenate([rubbed.reshape(-1, 6), -work[~of.rubs, 2]])
+        rubbed = np.einsum("wk,pkr->pwr", along, work[:, :2]) - work[:, 2][:, None]
+        rays = rubbed.reshape(-1, 6)
         heads = slice(3 * n, 3 * n + of.bolts)
         unit, whole = of.rigid[-len(UNITS) :], float(self.forces[heads].sum())
         # In shares of all bolts' force, and moments over the arms that there are.
@@ -321,26 +305,24 @@ class Tight:
 class _Pull(NamedTuple):
     """Forces (k,) N in balance that elasticity asks for, drawn towards others."""
 
-    rows: IntArray
     firm: FloatArray
     inverse: FloatArray
-    """(k + m, k + m): of balance, and of what the rows give."""
+    """(k + m, k + m): of balance, and of what the forces give."""
 
     @classmethod
     def of(
         cls,
         compliance: FloatArray,
         rigid: FloatArray,
-        rows: IntArray,
         gives: FloatArray,
         firm: FloatArray,
     ) -> "_Pull":
-        """Return it for rows that give by themselves (k,) m/N, drawn by `firm` (k,) m/N."""
-        k, m = len(rows), rigid.shape[1]
+        """Return it for the first (k,) forces, that give (k,) m/N, drawn by `firm` (k,) m/N."""
+        k, m = len(gives), rigid.shape[1]
         system = np.zeros((k + m, k + m))
-        system[:k, :k] = compliance[np.ix_(rows, rows)] + np.diag(gives + firm)
-        system[:k, k:], system[k:, :k] = rigid[rows], rigid[rows].T
-        return cls(rows, firm, np.asarray(np.linalg.inv(system), dtype=float))
+        system[:k, :k] = compliance[:k, :k] + np.diag(gives + firm)
+        system[:k, k:], system[k:, :k] = rigid[:k], rigid[:k].T
+        return cls(firm, np.asarray(np.linalg.inv(system), dtype=float))
 
 
 def _settled(
@@ -355,12 +337,11 @@ def _settled(
 ) -> tuple[FloatArray, FloatArray] | None:
     """Return forces (q,) that contact allows, in balance, and how all move (q,).
 
-    Those of the rows (k,) come on top of the `given` (q,); `start` (k,) is where to begin, and
+    The first (k,) come on top of the `given` (q,); `start` (k,) is where to begin, and
     where they stand is `asked` (k,) m of them. None where none are found.
     """
-    rows = pulls[0].rows
-    k = len(rows)
-    right = np.concatenate([asked - compliance[rows] @ given, -rigid.T @ given])
+    k = len(asked)
+    right = np.concatenate([asked - compliance[:k] @ given, -rigid.T @ given])
     to, debt = start, np.zeros(k)
     for pull, tries in zip(pulls, _TRIES, strict=True):
         # Of the larger firmness the same debt is a smaller force.
@@ -379,7 +360,7 @@ def _settled(
                 return None
             if apart <= _APART * size and moved <= _STEP * size:
                 forces = given.copy()
-                forces[rows] += to
+                forces[:k] += to
                 return forces, compliance @ forces + rigid @ found[k:]
         debt = debt * (pull.firm / pulls[0].firm)
     return None
@@ -394,7 +375,7 @@ def forces_of(*, hole: Metre, thickness: Metre, bolts: int, plane: float) -> flo
     `hole` is its bolts' diameter, `plane` the surface m² of it beyond their washers.
     """
     rings = np.ceil(((HEAD - 1) * hole / 2 + thickness) / (PATCH * hole))
-    return float(3 * bolts * rings * _PARTS + plane / (_COARSE * hole) ** 2 + bolts + len(UNITS))
+    return float(3 * (bolts * rings * _PARTS + plane / (_COARSE * hole) ** 2) + bolts + len(UNITS))
 
 
 def condensed(
@@ -428,7 +409,7 @@ def condensed(
     from scipy.sparse import csr_array, vstack
 
     rounds = _rounds(held, bolts, upright)
-    patches, rubs, area = _patches(held, rounds, bolts, upright, thickness)
+    patches, area = _patches(held, rounds, bolts, upright, thickness)
     heads = _heads(held, rounds, upright, thickness)
     forces = csr_array(vstack([patches, csr_array(np.concatenate([heads, loads]))]))
     body, rigid = held.floating(), np.asarray(forces @ held.rigid.T)
@@ -437,14 +418,11 @@ def condensed(
     # balance leave none of that.
     heavy = np.stack([held.inert(motion) for motion in held.rigid])
     felt = rigid @ np.linalg.inv(heavy @ held.rigid.T)
-    # A patch that does not rub has no forces along the plane.
-    rub = np.repeat(rubs, 3) | (np.arange(3 * len(rubs)) % 3 == 2)
-    used = np.flatnonzero(np.pad(rub, (0, len(heads) + len(loads)), constant_values=True))
-    tell(f"solving for {len(used)} forces between flange and frame")
     count = forces.shape[0]
+    tell(f"solving for {count} forces between flange and frame")
     compliance, stress = np.zeros((count, count)), np.zeros((count, 0, 6), dtype=np.float32)
-    for start in range(0, len(used), _BATCH):
-        some = used[start : start + _BATCH]
+    for start in range(0, count, _BATCH):
+        some = slice(start, start + _BATCH)
         moved = body.solve(forces[some].toarray() - felt[some] @ heavy, still=_STILL)
         compliance[some] = np.asarray(forces @ moved.T).T - moved @ heavy.T @ felt.T
         told = read(moved).swapaxes(0, 1)
@@ -453,7 +431,7 @@ def condensed(
         stress[some] = told
     metal, washer = held.material, 2 * max(r.radius for r in rounds)
     return Joint(
-        compliance=compliance, rigid=rigid, rubs=rubs, stress=stress,
+        compliance=compliance, rigid=rigid, stress=stress,
         upright=upright, bolts=len(bolts), area=area,
         thick=2 * metal.youngs_modulus / ((1 - metal.poisson**2) * np.pi * washer),
     )  # fmt: skip
@@ -487,10 +465,8 @@ def _patches(
     bolts: tuple[str, ...],
     upright: int,
     thickness: Metre,
-) -> tuple[Any, BoolArray, FloatArray]:
-    """Return unit forces, sparse (3 patches, unknowns), spread over patches of the plane.
-
-    Then which of them rub, and their areas m².
+) -> tuple[Any, FloatArray]:
+    """Return unit forces on patches of the plane, sparse (3 patches, unknowns), and their areas m².
 
     A patch is made of whole triangles of the mesh, near a bolt in rings about it.
     """
@@ -517,16 +493,16 @@ def _patches(
     away, off = away.min(axis=1), off[np.arange(len(near)), near]
     ring = np.floor((away - hole / 2) / (PATCH * hole))
     angle = (np.arctan2(off[:, 1], off[:, 0]) / (2 * np.pi) + 0.5) % 1.0
-    rubs = away < HEAD * hole / 2 + thickness
+    near_head = away < HEAD * hole / 2 + thickness
     cells = np.floor(middle[:, ways] / (_COARSE * hole[:, None]))
     keys = np.where(
-        rubs[:, None],
+        near_head[:, None],
         np.column_stack([near, ring, np.floor(angle * _PARTS)]),
         np.column_stack([np.full(len(near), -1), cells]),
     )
-    _, first, patch = np.unique(keys, axis=0, return_index=True, return_inverse=True)
+    patches, patch = np.unique(keys, axis=0, return_inverse=True)
     belongs = csr_array(
-        (np.ones(len(own)), (own, patch.ravel())), shape=(flat.ndof, len(first))
+        (np.ones(len(own)), (own, patch.ravel())), shape=(flat.ndof, len(patches))
     )  # fmt: skip
     each: Any = csr_array((spread @ belongs).T)
     # Functions of corners add up to 1: their share is the patch's area.
@@ -538,9 +514,9 @@ def _patches(
     places = 3 * each.row + way, 3 * each.col + np.array(axes)[:, None]
     forces = coo_array(
         (pushes.ravel(), tuple(place.ravel() for place in places)),
-        shape=(3 * len(first), 3 * functions.ndof),
+        shape=(3 * len(patches), 3 * functions.ndof),
     )  # fmt: skip
-    return forces, rubs[first], area
+    return forces, area
 
 
 def _heads(held: Elastic, rounds: Sequence[_Round], upright: int, thickness: Metre) -> FloatArray:
