@@ -2405,7 +2405,7 @@ MUTANTS = (
            "another toe's notch is read as this one's stress", "unit/test_bracket_zones.py::test_another_toe_so_near_is_not_read"),
     mutant("bracket/shape.py", "if beyond > (room := _BESIDE * bore.radius):", "if beyond > (room := 9 * bore.radius):",
            "a bearing may stand beside its seat", "unit/test_bracket_units.py::test_a_step_file_gives_the_same_bracket"),
-    mutant("fatigue/critical.py", "(np.minimum(largest, whole / k), 1) for k in", "(np.minimum(largest, whole / k / 2), 1) for k in",
+    mutant("fatigue/critical.py", "[np.minimum(largest, whole / k) for k in", "[np.minimum(largest, whole / k / 2) for k in",
            "small cycles that count are passed over", "unit/test_critical_plane.py::test_no_plane_suffers_more_than_is_bound"),
     mutant("bracket/zones.py", " - {MOUNT}", "", "a clamped border is the next bolt's",
            "unit/test_bracket_zones.py::test_a_bracket_s_zones_keep_their_names_on_every_mesh"),
