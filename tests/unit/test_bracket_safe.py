@@ -212,6 +212,7 @@ IN_BOLTS = {
     "U, 10 mm, M16": (6.759e-4, 0.1520, 20, 672, 761, 93_753, 1.68e9, 81),
     "U, 14 mm": (8.022e-4, 0.1375, 30, 788, 1160, 61_737, 1.15e9, 61),
 }
+"""As they were solved one force at a time, and where what lay far from a head had a force alone."""
 
 
 @pytest.mark.parametrize("shape", IN_BOLTS)

@@ -22,7 +22,7 @@ _BEHIND = 3.0
 """Elements behind a triangle of a face that asks for smaller ones than the rest."""
 _PLACES = 0.12
 """Of the unknowns, places where stress in contact is kept: six numbers of four bytes a force, and
-half of that for the factors that solve for dozens of forces at once."""
+as much again for the factors that solve for dozens of forces at once."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,7 +103,7 @@ def estimate(of: Model) -> Estimate:
     unknowns = _ADDED + _UNKNOWNS[of.degree] * elements
     denser = (of.degree / 2) ** 1.0  # higher degrees couple more unknowns to each
     factor, plain = 20 * unknowns ** (4 / 3), 8e3 * unknowns
-    contact = of.forces * 36 * _PLACES * unknowns
+    contact = of.forces * 48 * _PLACES * unknowns
     minutes = (3 * 6.8 + of.forces * 0.055) * (unknowns / 72_705) ** 1.42
     return Estimate(
         elements=unknowns / _UNKNOWNS[of.degree],

@@ -887,6 +887,7 @@ def _worst_of(
         return
     stress = np.zeros(len(case.among))
     swing = np.zeros((len(case.among), len(ZONES)))
+    looked = []
     for way in ways:
         each = [way.loads(one) for one in case.among]
         swung = [one - one.mean(axis=0) for one in each]
@@ -895,9 +896,11 @@ def _worst_of(
         passes = [np.stack(np.split(v, c.places)) for v, c in zip(each, case.among, strict=True)]
         reaches = [reach(of, way.worth) for of in passes]
         _stressed_most(way, at, each, reaches, stress)
-        if case.repeats:
-            _swung_most(way, at, passes, reaches, strength, swing)
+        looked.append((way, at, passes, reaches))
     worst = int(stress.argmax())
+    if case.repeats:
+        for one in looked:
+            _swung_most(*one, strength, swing, told=worst)
     yield replace(case.among[worst], among=case.among)
     told = swing[worst].copy()
     for zone in np.argsort(-swing.max(axis=0)).tolist():
@@ -938,10 +941,13 @@ def _swung_most(
     reaches: Sequence[Reach],
     strength: Mapping[Zone, Strength],
     found: FloatArray,
+    *,
+    told: int,
 ) -> None:
     """Find what passes (p, t, c) of each point use of each zone (points, zones) at some places.
 
-    Of those points that may use most; of others, what was `found` stays.
+    Of the point that is `told` anyway, lest one that swings no more be told beside it; of those
+    that may use most; of others, what was `found` stays.
     """
     kind, ones = way.held.zones.kind[at], np.ones(way.count)
     flat = way.flat[at]
@@ -949,9 +955,10 @@ def _swung_most(
     most = np.stack([_used(kind, *of, strength) for of in held])
     zones = [most[:, kind == zone].max(axis=1, initial=0.0) for zone in range(len(ZONES))]
     first = np.stack([of / max(of.max(), 1e-300) for of in zones]).max(axis=0)
+    first[told] = np.inf
     best = found.max(axis=0)
     for k in np.argsort(-first).tolist():
-        asked = most[k] > best[kind]
+        asked = most[k] > (found[k] if k == told else best)[kind]
         used = _swing_at(way, at[asked], points[k], strength, ones)[0]
         np.maximum.at(found[k], kind[asked], used)
         best = np.maximum(best, found[k])
