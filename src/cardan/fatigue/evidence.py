@@ -123,12 +123,12 @@ class Tried:
 
 
 TRIED = {
-    GUILTY: (Tried(0, 683), Tried(2, 664)),
-    INNOCENT: (Tried(0, 489), Tried(16, 753)),
+    GUILTY: (Tried(0, 683), Tried(0, 952)),
+    INNOCENT: (Tried(0, 489), Tried(17, 805)),
 }
 """Of innocent gauges that were called guilty, and guilty ones that were called innocent: on drives
 as they come, and on drives whose line was made to stand on its stop. Seeds 650000, 670000,
-710000 and 741000 on; 672000, 712000, 740000 and 746000 on, and of the innocent 662000 on.
+710000 and 741000 on; 662000, 672000, 712000, 740000 and 746000 on.
 Innocent: a truth below 0.25; guilty: from 0.5. `tests/verify/tried.py` counts them anew."""
 
 
