@@ -85,17 +85,17 @@ def test_a_bracket_that_rings_on_a_rough_road_is_no_contact_that_chatters():
 
 
 @pytest.mark.slow
-def test_ten_drives():
-    """Twenty gauges: 90 % intervals miss six or more once in ninety times; none is wrong.
+def test_thirty_drives():
+    """Sixty gauges: 90 % intervals miss thirteen or more once in 180 times; none is wrong.
 
-    Of the fourteen clear ones three or fewer are told once in 250 times, if 60 % are of many.
-    Four are: the rule for crests that go with the torque leaves one more innocent untold.
+    Of 46 clear ones eighteen or fewer are told once in 300 times, if 60 % are of many. 25 are: of
+    the first ten drives two of fourteen, as buses are silent where the damage is done.
     """
-    inside, wrong, told, spoiled = statistics(range(50_000, 50_010))
+    inside, wrong, told, spoiled = statistics(range(50_000, 50_030))
     assert not wrong
     assert not spoiled
-    assert inside >= 0.75
-    assert told > 0.25
+    assert inside >= 0.8
+    assert told >= 0.4
 
 
 @pytest.mark.long
