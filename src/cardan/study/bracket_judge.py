@@ -899,8 +899,8 @@ def _worst_of(
         looked.append((way, at, passes, reaches))
     worst = int(stress.argmax())
     if case.repeats:
-        for one in looked:
-            _swung_most(*one, strength, swing, told=worst)
+        for way, at, passes, reaches in looked:
+            _swung_most(way, at, passes, reaches, strength, swing, told=worst)
     yield replace(case.among[worst], among=case.among)
     told = swing[worst].copy()
     for zone in np.argsort(-swing.max(axis=0)).tolist():
