@@ -241,7 +241,8 @@ def test_our_contact_is_as_stiff_as_calculix_has_it(bolted, real):
     """Within 5 %: how far out a head presses is known to a millimetre, which is a tenth.
 
     Pushed up, on a hard frame, within 16 % (15.04 are found): there CalculiX's contact springs
-    give. Pulled down it lifts off, and is softer than the same flange pushed up: no sum of unit loads is.
+    give. Pulled down it lifts off, and is softer than the same flange pushed up: no sum of unit
+    loads is.
     """
     assert np.all(np.abs(bolted[0] / real[0] - 1) < [0.05, 0.05, 0.16, 0.05]), bolted[0] / real[0]
     assert bolted[0][3] < 0.85 * bolted[0][2]
