@@ -20,9 +20,10 @@ from cardan.bracket.refine import _firm_matters, _share_of_worst, _worse
 from cardan.bracket.shape import solid
 from cardan.bracket.stress import extremes, superpose, von_mises
 from cardan.bracket.surface import peaks
+from cardan.fatigue.critical import in_surface, on_planes, plane_directions, reach
 from cardan.model.bracket import Bracket, Gauge, LShape, Pick, UShape
 from cardan.report.language import Language
-from cardan.study.bracket_judge import _pulls_off, _stressed, _Way
+from cardan.study.bracket_judge import _pulls_off, _stressed, _swung_most, _Way
 
 stresses = arrays(float, (5, 6), elements=st.floats(-1e9, 1e9))
 U = {
@@ -392,3 +393,20 @@ def test_a_long_recording_that_stands_still_is_one_moment(force):
     still[:, 0] = force
     way: Any = SimpleNamespace(worth=np.ones(9))
     assert _Way.telling(way, still).tolist() == still[:1].tolist()
+
+
+def test_a_point_that_is_told_is_asked_how_it_swings():
+    """Its twin, a millionth the larger, went first, and was told beside it as if it were still."""
+    unit, normals = np.zeros((1, 1, 6)), np.array([[0.0, 0, 1]])
+    unit[..., 0] = 1.0
+    way: Any = SimpleNamespace(
+        held=SimpleNamespace(zones=SimpleNamespace(kind=np.zeros(1, dtype=int))), count=1,
+        feature=np.zeros(1, dtype=int), flat=in_surface(unit, normals),
+        planes=lambda at: on_planes(unit[at], plane_directions(normals[at])),
+    )  # fmt: skip
+    wave = np.cos(2 * np.pi * np.arange(32) / 32)[None, :, None]
+    points = [100 * wave, 100 * (1 + 1e-6) * wave]
+    found = np.zeros((2, 4))
+    at, reaches = np.zeros(1, dtype=int), [reach(one) for one in points]
+    _swung_most(way, at, points, reaches, {}, found, told=0)
+    assert found[:, 0] == pytest.approx([100, 100], rel=1e-5)

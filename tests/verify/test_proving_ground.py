@@ -89,7 +89,7 @@ def test_thirty_drives():
     """Sixty gauges: 90 % intervals miss thirteen or more once in 180 times; none is wrong.
 
     Of 46 clear ones eighteen or fewer are told once in 300 times, if 60 % are of many. 25 are: of
-    the first ten drives two of fourteen, as buses are silent where the damage is done.
+    the first ten drives two of fourteen, for most have no torque, or no engine that is known.
     """
     inside, wrong, told, spoiled = statistics(range(50_000, 50_030))
     assert not wrong

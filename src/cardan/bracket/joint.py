@@ -179,9 +179,8 @@ class Joint:
     def _own(self) -> FloatArray:
         """How far each patch moves under its own forces, (3 patches,) m/N."""
         own = np.diagonal(self.compliance)[: 3 * self.patches].reshape(-1, 3).copy()
-        own[:, :2] = own[:, :2].mean(axis=1)[
-            :, None
-        ]  # alike both ways, or friction would turn its force
+        # Alike both ways, or friction would turn its force.
+        own[:, :2] = own[:, :2].mean(axis=1, keepdims=True)
         return own.ravel()
 
     @cached_property

@@ -399,9 +399,9 @@ def _write_identified(
     if of.identification is None:
         return
     asked = {"--corrected": corrected, "--load-history": history, "--changed-history": changed}
-    if of.identification.doubts and any(asked.values()):
-        name = next(name for name, path in asked.items() if path is not None)
-        msg = f"{name} writes nothing: nothing is told of the line by this recording"
+    named = [name for name, path in asked.items() if path is not None]
+    if of.identification.doubts and named:
+        msg = f"{named[0]} writes nothing: nothing is told of the line by this recording"
         raise DesignError(msg)
     if corrected is not None:
         write(corrected, of.identification.text())

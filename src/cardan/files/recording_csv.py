@@ -416,8 +416,8 @@ def _read(
             path,
             read_options=pacsv.ReadOptions(
                 skip_rows=form.first, column_names=names,
-                # By threads of its own some forty pieces are under way, and what the heaps of
-                # these keep is now 10 and now 80 MB of a day. A row has to lie within a piece.
+                # By threads of its own some forty pieces are under way, and what these keep made
+                # a day take up to 80 MB more. A row has to lie within a piece.
                 use_threads=False, block_size=4 * _HEAD,
                 encoding={"utf-8": "utf8"}.get(form.encoding, form.encoding),
             ),

@@ -955,7 +955,6 @@ def _swung_most(
     most = np.stack([_used(kind, *of, strength) for of in held])
     zones = [most[:, kind == zone].max(axis=1, initial=0.0) for zone in range(len(ZONES))]
     first = np.stack([of / max(of.max(), 1e-300) for of in zones]).max(axis=0)
-    first[told] = np.inf
     best = found.max(axis=0)
     for k in np.argsort(-first).tolist():
         asked = most[k] > (found[k] if k == told else best)[kind]
