@@ -586,12 +586,12 @@ def test_the_verdict_is_told_in_other_languages(broken, code, said):
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        (("--target-hours", "0"), "target_hours of a campaign must be above 0"),
-        (("--target-hours", "nan"), "target_hours of a campaign must be above 0"),
+        (("--target-hours", "0"), "--target-hours must be above 0"),
+        (("--target-hours", "nan"), "--target-hours must be above 0"),
         (("--limits", "heavy-trucks"), "no limit profile of this name"),
         (("--gauge", "S1"), "two gauges are called S1"),
         (("--gauge", "S2:kPa"), "S2: the file says MPa, and it is taken for kPa"),
-        (("--axle-ratio", "-4"), "axle_ratio of a campaign must be above 0"),
+        (("--axle-ratio", "-4"), "--axle-ratio must be above 0"),
     ],
 )
 def test_what_cannot_be_asked_is_refused(broken, more, said):

@@ -90,6 +90,16 @@ def test_a_name_is_not_contradicted(tmp_path, name, taken, said):
     asked(path, "--scale", f"{name}=1:MPa", "--gauge", name, *SN, code=0)
 
 
+def test_a_name_says_its_unit(tmp_path):
+    """As the program's own keys do; a name that says none is asked for one."""
+    path = written(tmp_path, {"S1_kPa": 1e3 * stress(), "S2": stress(), "v_rpm": 600 + T})
+    told = asked(path, "--gauge", "S1_kPa", *SN, "--speed", "v_rpm", code=0)
+    assert told["high_MPa"] == pytest.approx(33, abs=2)
+    done = run(path, "--gauge", "S2", *SN)
+    assert done.exit_code == 2
+    assert "S2: no unit; write S2:UNIT" in done.output
+
+
 def test_units_that_are_the_same_do_not_contradict(tmp_path):
     path = written(tmp_path, {"S1_N/mm2": stress()})
     asked(path, "--gauge", "S1_N/mm2:MPa", *SN, code=0)

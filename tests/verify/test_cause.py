@@ -1,6 +1,7 @@
 """Guilty, innocent or cannot tell: recordings made to mislead, whose truth is known."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -301,6 +302,51 @@ def test_the_bracket_s_mode_comes_back():
     off = answer.stress / 1e6 - case.joints
     # A fifty-fifth of its energy is left; what wanders within six seconds is not followed.
     assert off.std() < 0.2 * case.joints.std()
+
+
+def late(seed, seconds, **about):
+    """A recording whose stress comes so many seconds after its speed."""
+    case = made(seed, **GUILTY_ONE | about)
+    time = np.arange(case.speed.size) / case.rate
+    return replace(case, speed=np.interp(time + seconds, time, case.speed))
+
+
+LAGS = np.random.default_rng(11).uniform(-0.1, 0.1, 12)
+
+
+def test_a_lag_lies_within_its_interval():
+    """Nine times in ten: four or more of twelve lie outside once in 38 times, if that holds."""
+    rng, inside, wide = np.random.default_rng(12), 0, []
+    for k, seconds in enumerate(np.where(LAGS < -0.05, 0.0, LAGS)):
+        modes = mode(float(rng.uniform(20, 70)), float(rng.choice([0.015, 0.05, 0.12])))
+        _, answer = asked(late(5100 + k, seconds, kind=("mixed", "run-up")[k % 2], modes=modes))
+        low, high = answer.evidence.lags
+        inside += low <= seconds <= high
+        wide.append(high - low)
+        assert low <= answer.evidence.lag <= high
+    assert inside >= 9
+    assert np.median(wide) < 0.02
+
+
+def test_a_lag_that_a_mode_looks_like_is_no_lag():
+    """49 ms had been told of none, for a mode that order 2 passed; 40 ms of another."""
+    for seed, kind, hertz, damping in ((7022, "mixed", 29.0, 0.03), (5203, "direct", 66.0, 0.015)):
+        case = made(seed, **GUILTY_ONE | {"kind": kind, "modes": mode(hertz, damping)})
+        low, high = asked(case)[1].evidence.lags
+        assert low <= 0 <= high
+        assert high - low < 0.04
+
+
+@pytest.mark.parametrize("road", [1.0, 3.0])
+def test_a_blow_at_order_2_convicts_nobody(road):
+    """One pothole at the frequency of order 2 did all: at least 58 % were theirs, it had said."""
+    case = made(7033, **PLAIN | {"guilt": 0.2, "road": road, "kind": "mixed"})
+    truth, answer = asked(case)
+    low, high = answer.evidence.interval
+    assert truth < 0.01
+    assert answer.evidence.removed == pytest.approx(truth, abs=0.04)
+    assert low <= 0.04
+    assert truth <= high
 
 
 TORQUE_LAWS = {

@@ -148,6 +148,8 @@ class Evidence:
         Frequency Hz and damping of the bracket's modes that the joints shake.
     ratio, lag : 1 and s
         What the stress says of the speed's scale, and how late it comes.
+    lags : s
+        Low and high of 90 % of that lag; a phase tilts by 360 degrees times it for each hertz.
     doubts
         What widened the interval, a sentence each.
     """
@@ -158,6 +160,7 @@ class Evidence:
     modes: tuple[tuple[float, float], ...] = ()
     ratio: float = 1.0
     lag: float = 0.0
+    lags: tuple[float, float] = (-np.inf, np.inf)
     doubts: tuple[Said, ...] = ()
 
     def unknown(self, doubt: Said) -> "Evidence":

@@ -49,6 +49,7 @@ from cardan.fatigue.evidence import (
     together,
 )
 from cardan.fatigue.fault import DROPOUT, FREEZE, HOLE, SENTINEL, SPIKE, union
+from cardan.fatigue.locked import FOUND
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import (
     ALL_OF_THEM,
@@ -691,6 +692,12 @@ class Causes:
     torque: FloatArray | None
     comparisons: list[Comparison]
     doubts: list[Said]
+
+    @property
+    def surest(self) -> Evidence | None:
+        """Return the evidence of the gauge that knows the speed best; None where none found it."""
+        best = max(self.evidence, key=lambda e: e.strength)
+        return best if best.strength >= FOUND else None
 
 
 TOGETHER = (

@@ -304,9 +304,11 @@ class _Case:
         """Return a wave, and all that is near order 2 where the angle is lost."""
         return np.where(self.losing, self.close(self.x, span=RIDES), wave)
 
-    def beside(self, known: FloatArray, where: FloatArray | float = 1.0) -> tuple[float, float]:
-        """Return what goes with all that is close to order 2, and how much less farther off."""
-        rest = self.x - known
+    def beside(
+        self, known: FloatArray, where: FloatArray | float = 1.0, of: FloatArray | None = None
+    ) -> tuple[float, float]:
+        """Return what goes with all `of` it close to order 2, and how much less farther off."""
+        rest = (self.x if of is None else of) - known
         close, *off = (
             self.among(known + where * self.close(rest, span=RIDES, aside=b))
             for b in (0.0, *ALOOF, *(-k for k in ALOOF))
@@ -439,10 +441,11 @@ class _Case:
             may = running(self.best, self.engine, self.engine_orders, self.time, within=BESIDES)
             may |= running(self.best, self.engine, (ITS_OWN,), self.time, within=0.5)
             where = ~(softly(may, self.rate) > 0)
-        if not coming(self.x, self.best, self.rate, where=where) > FOLLOWS:
+        # Nor of a blow, which comes when it comes.
+        if not coming(self.quiet, self.best, self.rate, where=where) > FOLLOWS:
             return None
-        close, more = self.beside(np.zeros_like(self.x), np.where(where, 1.0, 0.0))
-        return (more, close, where * self.close(self.x, span=RIDES)) if more > 0 else None
+        close, more = self.beside(np.zeros_like(self.x), np.where(where, 1.0, 0.0), of=self.quiet)
+        return (more, close, where * self.close(self.quiet, span=RIDES)) if more > 0 else None
 
     def sudden(self, rest: FloatArray, span: _Span) -> _Span:
         """Widen by what may be theirs if it comes with a torque that lasts for seconds only.
@@ -686,7 +689,8 @@ def _told(
     """Return a share and its interval as evidence, each doubt once."""
     return Evidence(
         removed=removed, interval=(low, high), strength=case.line.strength,
-        ratio=case.first.ratio, lag=case.first.lag, doubts=tuple(dict.fromkeys(doubts)),
+        ratio=case.first.ratio, lag=case.first.lag, lags=case.first.lags,
+        doubts=tuple(dict.fromkeys(doubts)),
     )  # fmt: skip
 
 

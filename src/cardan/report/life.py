@@ -92,6 +92,7 @@ def _evidence(of: Evidence) -> dict[str, Any]:
         "modes": [{"frequency_Hz": f, "damping_ratio": d} for f, d in of.modes],
         "speed_ratio": of.ratio,
         "speed_lag_s": of.lag,
+        "speed_lag_interval_s": [_number(late) for late in of.lags],
     }
 
 

@@ -36,6 +36,8 @@ from cardan.study.recording import Heard, Mix, Pictures
 
 DOTS = 1200
 """Windows of an order cut that are drawn, at most."""
+TACHO = 0.002
+"""Width of a lag's interval that no phase shows, s: a tacho's, which counts turns as they come."""
 
 
 def chapters(of: Mix, say: Language, *, short: bool = False) -> Iterator[Chapter]:
@@ -90,9 +92,11 @@ def chapter(of: Heard, say: Language, *, short: bool = False) -> Iterator[Block]
         yield from _pictures(of.pictures, of.recording.name, say)
         if of.pictures.cuts is not None:
             cuts, names = of.pictures.cuts, of.pictures.gauges
-            found = of.identification
+            found, surest = of.identification, of.causes and of.causes.surest
+            late = surest.lags if surest else None
             for order in (2.0,) if short else (2.0, 1.0, 4.0):
-                yield Figures(figures=tuple(order_cut(cuts, names, order, say, found=found)))
+                figures = order_cut(cuts, names, order, say, found=found, late=late)
+                yield Figures(figures=tuple(figures))
     if of.misread:
         yield Text(paragraphs=tuple(line for one in of.misread for line in misread(one, say)))
     if of.causes is not None:
@@ -289,9 +293,13 @@ def _mapped(
 
 def order_cut(
     cuts: Cuts, names: Sequence[str], order: float, say: Language, *,
-    found: Identification | None = None,
+    found: Identification | None = None, late: tuple[float, float] | None = None,
 ) -> Iterator[Figure]:  # fmt: skip
-    """Yield amplitude and phase of an order against speed, recorded and computed."""
+    """Yield amplitude and phase of an order against speed, recorded and computed.
+
+    `late`, low and high s, is how much later than its speed the stress may come: by that the phase
+    tilts.
+    """
     k = cuts.orders.index(order)
     every = max(cuts.windows.time.size // DOTS, 1)
     speed = cuts.windows.speed[::every] * 60
@@ -325,7 +333,19 @@ def order_cut(
         alt=say("Phase over shaft speed, window by window."),
         x_label=say("shaft speed, rpm"), y_label=say("phase against the shaft, deg"),
         y=(-190.0, 190.0),
-        note=say("Only where the order stands three times above its noise."),
+        note=say("Only where the order stands three times above its noise.") + tilting(late, say),
+    )  # fmt: skip
+
+
+def tilting(late: tuple[float, float] | None, say: Language) -> str:
+    """Return what a lag between `late`, s, does to a phase, as a sentence more; none if nothing."""
+    if late is None or not late[1] - late[0] > TACHO:
+        return ""
+    low, high = (say.short(1e3 * at, 2) for at in late)
+    return " " + say(
+        "The stress comes {low} to {high} ms after its speed, by odds of nine in ten: within that "
+        "nobody knows how the phase runs, {tilt} deg up or down for each hertz.",
+        low=low, high=high, tilt=say.short(180 * (late[1] - late[0]), 2),
     )  # fmt: skip
 
 

@@ -298,7 +298,7 @@ class Campaign:
                 continue
             if not (low < value if sort == _ABOVE else low <= value) or not value <= high:
                 msg = (
-                    f"{name} of a campaign must be {sort} {low:g} and at most {high:g}, "
+                    f"{_option(name)} must be {sort} {low:g} and at most {high:g}, "
                     f"got {value:g}" + ("" if math.isfinite(value) else "; it must be finite")
                 )
                 raise DesignError(msg)
@@ -309,10 +309,10 @@ class Campaign:
             said = numbers(given, of=f"--{name.replace('_', '-')}")
             wrong = [n for n in said if not 0 < n <= 100]
             if wrong:
-                msg = f"{name} of a campaign must be above 0 and at most 100, got {wrong[0]:g}"
+                msg = f"{_option(name)} must be above 0 and at most 100, got {wrong[0]:g}"
                 raise DesignError(msg)
             if name == "joint_orders" and (none := sorted({*said} - {*JOINT_ORDERS})):
-                msg = f"joint_orders of a campaign are of 2, 4 and 6, got {none[0]:g}"
+                msg = f"{_option(name)} are of 2, 4 and 6, got {none[0]:g}"
                 raise DesignError(msg)
         self._hold_together()
         _ = self.rules, self.scales, self.strained, self.cracked  # refuse what is none
@@ -554,7 +554,7 @@ class Campaign:
 
     def strains(self, recording: Recording) -> bool:
         """Return whether a gauge is of strain, which Young's modulus makes a stress."""
-        units = (given or recording.channel(c).unit for c, given in map(_named, self.gauges))
+        units = (given or _unit_of(recording.channel(c)) for c, given in map(_named, self.gauges))
         return bool(self.rosettes) or any(unit in STRAIN for unit in units)
 
     def _held(self, option: str, given: Iterable[str], known: Iterable[str], kind: str) -> None:
@@ -767,9 +767,9 @@ class Campaign:
             factor = _unit(recording, channel, given, units)
             gauge = strain.direct(channel, channel, factor=factor)
             of = recording.channel(channel)
-            taken = given or of.unit
+            taken = given or _unit_of(of)
             gauge = replace(gauge, doubts=_doubted(of, taken))
-            if taken in ASSUMED and not (of.settled or of.unit or _WRITTEN.search(of.name)):
+            if taken in ASSUMED and not (of.settled or _unit_of(of)):
                 # What whoever names a unit by hand confuses: numbers of either look alike.
                 other = ASSUMED[taken]
                 gauge = replace(gauge, assumed=taken, otherwise=(other, units[other] / factor))
@@ -962,7 +962,7 @@ def _unit(
 ) -> float:
     """Return the SI value of a channel's unit, given by hand or by the file."""
     of = recording.channel(channel)
-    name = given or of.unit
+    name = given or _unit_of(of)
     _agreed(of, name)
     if name not in table:
         none = repr(name) if name else "no unit"
@@ -971,6 +971,17 @@ def _unit(
             msg += f", or scale it: --scale {channel}=FACTOR[,OFFSET]:UNIT"
         raise DesignError(msg)
     return table[name]
+
+
+def _unit_of(channel: Channel) -> str:
+    """Return the unit of a channel by its file, or else by its name; "" if neither says one."""
+    return channel.unit or _named_unit(channel)
+
+
+def _named_unit(channel: Channel) -> str:
+    """Return the unit that a channel's name ends in; "" if none."""
+    named = _WRITTEN.search(channel.name)
+    return named[1] if named else ""
 
 
 def _agreed(channel: Channel, taken: str) -> None:
@@ -988,8 +999,7 @@ def _agreed(channel: Channel, taken: str) -> None:
             )
             raise DesignError(msg)
         return
-    named = _WRITTEN.search(channel.name)
-    for who, unit in (("the file", channel.unit), ("its name", named[1] if named else "")):
+    for who, unit in (("the file", channel.unit), ("its name", _named_unit(channel))):
         other = unit in UNITS or (unit in VOLTS and unit != "")
         if other and UNITS.get(unit) != UNITS[taken]:
             msg = (
@@ -1028,7 +1038,7 @@ def _speeds(
     of samples in which a bus wrote that it had no value.
     """
     channel, given = _named(text)
-    taken = given or recording.channel(channel).unit
+    taken = given or _unit_of(recording.channel(channel))
     _agreed(recording.channel(channel), taken)
     if taken in DRIVEN:
         if wheel is None:

@@ -34,7 +34,6 @@ from cardan.fatigue.damage import InTurn, Life, in_turn, miner
 from cardan.fatigue.evidence import GUILTY, INNOCENT, SPOILT, Evidence, together
 from cardan.fatigue.fault import DRIFT, ZERO_STEP
 from cardan.fatigue.life import Causes, GaugeLife, Plan
-from cardan.fatigue.locked import FOUND
 from cardan.fatigue.maps import OrderMap, Spectrogram, order_maps, spectrograms
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import VETO, decided
@@ -939,8 +938,8 @@ def _told_angle(angle: Angle, causes: Causes) -> Angle:
     """
     if angle.lag <= COUNTED:
         return angle
-    surest = max(causes.evidence, key=lambda e: e.strength)
-    if surest.strength < FOUND or (surest.ratio == 1 and surest.lag == 0):
+    surest = causes.surest
+    if surest is None or (surest.ratio == 1 and surest.lag == 0):
         return angle
     of = angle.rotation
     return replace(angle, rotation=Rotation(of.time + surest.lag, surest.ratio * of.turns))
