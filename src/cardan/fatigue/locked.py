@@ -684,50 +684,54 @@ def order_line(scene: Scene, y: FloatArray, order: int, *, most: int) -> Line:
     low = max(float(np.quantile(driven, 0.02)) * 0.6, 3.0) if driven.size else 3.0
     slow = _slow(scene, order)
     within = low, max(top, 1.5 * low)
-    plain = scene.columns(order)
-    wave, _ = _calm(plain, y, scene.rate, np.zeros(y.size, bool))
-    loud = wave.real + limited(y - wave.real, scene.rate)
-    poles = _searched(slow, slow.met(loud), most=most, within=within)
+    poles = _searched(slow, slow.met(y), most=most, within=within)
     columns = scene.columns(order, poles)
-    wave, blown = _calm(columns, y, scene.rate)
+    wave, calm, blown = _calm(columns, y, scene.rate)
     if poles and blown.any():
         # No mode's answer is what it leaves: modes are looked for once more, without the blows.
-        wave, _ = _calm(plain, y, scene.rate, blown)
-        calm = np.where(blown, wave.real, y)
-        poles = _searched(slow, slow.met(calm), most=most, within=within)
+        still, _, _ = _calm(scene.columns(order), y, scene.rate, blown)
+        fine = np.where(blown, still.real, y)
+        poles = _searched(slow, slow.met(fine), most=most, within=within)
         columns = scene.columns(order, poles)
-        wave, _ = _calm(columns, y, scene.rate, blown)
-    y = np.where(blown, wave.real, y)
+        wave, calm, _ = _calm(columns, y, scene.rate, blown)
     stretch = scene.stretch[: slow.speed.size * slow.every : slow.every]
-    return Line(order, wave, columns, poles, y, slow, stretch, scene.rate)
+    return Line(order, wave, columns, poles, calm, slow, stretch, scene.rate)
 
 
 def _calm(
     columns: ComplexArray, y: FloatArray, rate: float, blown: BoolArray | None = None
-) -> tuple[ComplexArray, BoolArray]:
-    """Fit the columns (k, n) to y (n,) but where it is `blown`: the fit, and where (n,).
+) -> tuple[ComplexArray, FloatArray, BoolArray]:
+    """Fit the columns (k, n) to y (n,) but where it is `blown`: the fit, y so calmed, and where.
 
-    Unless it is known, that is where the fit leaves blows.
+    Unless it is known, that is where the fit leaves blows. What else stands out of what it leaves
+    is cut down.
     """
     rows = _real(columns)
-    gram, met = rows @ rows.T, rows @ y
-    wave = _paired(_explained(gram, met, ridge=RIDGE)[0]) @ columns
-    for _ in range(2 if blown is None else 1):
-        out = blowing(y - wave.real, rate) if blown is None else blown
-        if not out.any():
-            return wave, out
+    gram = rows @ rows.T
+    wave = _paired(_explained(gram, rows @ y, ridge=RIDGE)[0]) @ columns
+    for _ in range(2):
+        rest = limited(y - wave.real, rate)
+        out = blowing(y - wave.real, wave.real, rate) if blown is None else blown
+        calm = wave.real + np.where(out, 0.0, rest)
         some = rows[:, out]
-        c = _explained(gram - some @ some.T, met - some @ y[out], ridge=RIDGE)[0]
+        c = _explained(gram - some @ some.T, rows @ calm - some @ calm[out], ridge=RIDGE)[0]
         wave = _paired(c) @ columns
-    return wave, out
+    return wave, np.where(out, wave.real, calm), out
 
 
-def blowing(x: FloatArray, rate: float) -> BoolArray:
-    """Return where blows stand (n,), five times over the rms of louder seconds, and ring on."""
+def blowing(rest: FloatArray, fit: FloatArray, rate: float) -> BoolArray:
+    """Return where blows stand (n,), five times over the rms of louder seconds, and ring on.
+
+    Where a fit explains as much of it as it leaves, a mode answers what turns past it.
+    """
     from scipy.ndimage import maximum_filter1d
 
-    over = limited(x, rate) != x
-    return maximum_filter1d(over, 2 * max(round(RINGS * rate), 1) + 1) if over.any() else over
+    half = max(round(RINGS * rate), 1)
+    out = limited(rest, rate) != rest
+    if out.any():
+        out = maximum_filter1d(out, 2 * half + 1)
+        out &= running_mean(rest**2, half) > running_mean(fit**2, half)
+    return out
 
 
 def limited(x: FloatArray, rate: float) -> FloatArray:
