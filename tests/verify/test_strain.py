@@ -15,6 +15,7 @@ from cardan.fatigue.strain import (
     rosette,
     rosette_gauge,
     signed_mises,
+    swinging,
 )
 
 E, NU = 206 * GPa, 0.3
@@ -87,6 +88,43 @@ def test_gauges_turn_channels_into_stress():
     gauge = rosette_gauge("R1", ("a", "b", "c"), measure=largest)
     pull = strains(PlaneStress(np.asarray(90 * MPa), np.asarray(0.0), np.asarray(0.0)), RECTANGULAR)
     assert gauge.stress(pull[:, None] / 1e-6) == pytest.approx(90 * MPa, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("torque", "axial", "low", "high"),
+    [
+        (lambda w: 60 * np.sin(w), 0.0, -104, 104),
+        (lambda w: 60 * np.sin(w), 3.0, -104, 104),
+        (lambda w: 60 * np.sin(w), 20.0, -106, 106),
+        (lambda w: 60 + 10 * np.sin(w), 0.0, 86.6, 121.2),
+        (lambda w: -60 + 10 * np.sin(w), 0.0, 86.6, 121.2),
+    ],
+)
+def test_a_sheared_stress_has_the_sign_of_its_shear(torque, axial, low, high):
+    """Derived: sqrt(3) of a shaft's shear, as it swings; noise or little beside turned its sign.
+
+    60 MPa to and fro with 3 MPa along the shaft had 0.05 of its damage, none along it 70 times.
+    """
+    w, noise = np.arange(40_000) / 50, np.random.default_rng(0).normal(size=(2, 40_000))
+    stress = PlaneStress(axial * MPa + 0.1 * MPa * noise[0], 0.1 * MPa * noise[1], torque(w) * MPa)
+    found = signed_mises(stress, along=swinging(stress)) / MPa
+    assert found.min() == pytest.approx(low, abs=1)
+    assert found.max() == pytest.approx(high, abs=1)
+    # From one sample to the next it turns its sign where it is small.
+    assert np.abs(np.diff(found)).max() < 2.5 + 2 * axial + 1
+
+
+def test_a_pull_and_a_push_keep_their_signs():
+    """A bar: whichever way it stands in the rosette, and whatever one sample in a hundred says."""
+    w = np.arange(5000) / 50
+    for angle in np.radians([0, 30, 77, 135]):
+        c, s = np.cos(angle), np.sin(angle)
+        size = (-80 + 30 * np.sin(w)) * MPa
+        stress = PlaneStress(size * c * c, size * s * s, size * s * c)
+        stress.xy[::200] = -9999 * MPa
+        kept = np.arange(5000) % 200 > 0
+        found = signed_mises(stress, along=swinging(stress))
+        np.testing.assert_allclose(found[kept], size[kept], rtol=1e-9)
 
 
 def test_grids_that_see_the_same_are_refused():

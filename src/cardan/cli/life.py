@@ -62,7 +62,7 @@ def _drawable(_: click.Context, __: click.Parameter, out: Path | None) -> Path |
     type=click.Choice(["mises", "principal", "planes"]),
     default="mises",
     show_default=True,
-    help="The stress of a rosette that is counted; planes: on 18 planes, a gauge each.",
+    help="The stress of a rosette that is counted; planes: on 20 planes, a gauge each.",
 )
 @click.option("--modulus-GPa", "modulus_GPa", type=float, default=206.0, show_default=True)
 @click.option(
@@ -97,7 +97,7 @@ def _drawable(_: click.Context, __: click.Parameter, out: Path | None) -> Path |
     show_default=True,
 )
 @click.option("--ultimate-MPa", "ultimate_MPa", type=float)
-@click.option("--mean-sensitivity", type=float, help="M of fkm, or the exponent of walker.")
+@click.option("--mean-sensitivity", type=float, help="M of fkm, or the exponent of walker (0.65).")
 @click.option(
     "--residue",
     type=click.Choice(["half", "repeat", "discard"]),

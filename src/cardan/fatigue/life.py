@@ -327,7 +327,6 @@ class _Count(_Tally):
 
 _PLANES = range(0, 180, 15)
 _MEASURES: dict[str, Callable[[PlaneStress], FloatArray]] = {
-    "mises": signed_mises,
     "principal": largest,
     **{f"@{a}": partial(PlaneStress.normal, angle=np.radians(a)) for a in _PLANES},
 }
@@ -337,16 +336,17 @@ _MEASURES: dict[str, Callable[[PlaneStress], FloatArray]] = {
 class _Shear:
     """How a rosette is sheared where it is stressed, and what each measure makes of it."""
 
-    def __init__(self, plan: Plan) -> None:
+    def __init__(self, plan: Plan, along: FloatArray | None) -> None:
         self.weight = self.total = 0.0
-        self.tallies = {name: _Tally(plan) for name in _MEASURES}
+        self.ways = {"mises": partial(signed_mises, along=along), **_MEASURES}
+        self.tallies = {name: _Tally(plan) for name in self.ways}
 
     def add(self, plane: PlaneStress) -> None:
         # The fifth power, as damage goes: what is small has no say.
         size = np.nan_to_num(plane.mises) ** 5
         self.weight += float(size.sum())
         self.total += float((size * np.nan_to_num(plane.biaxiality)).sum())
-        for name, measure in _MEASURES.items():
+        for name, measure in self.ways.items():
             self.tallies[name].add(measure(plane))
 
     def biaxiality(self) -> float:
@@ -532,7 +532,7 @@ class _Listened:
         }
         self.how = how
         self.samples_only = _Tally(plan)
-        self.shear = _Shear(plan) if gauge.plane is not None else None
+        self.shear = _Shear(plan, gauge.along) if gauge.plane is not None else None
 
     def see(self, channels: FloatArray) -> None:
         """Take a piece of the channels (k, n)."""

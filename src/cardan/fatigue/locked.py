@@ -710,10 +710,9 @@ def _calm(
     gram = rows @ rows.T
     wave = _paired(_explained(gram, rows @ y, ridge=RIDGE)[0]) @ columns
     for _ in range(2):
-        rest = limited(y - wave.real, rate)
-        out = blowing(y - wave.real, wave.real, rate) if blown is None else blown
-        calm = wave.real + np.where(out, 0.0, rest)
-        some = rows[:, out]
+        rest = y - wave.real
+        out = blowing(rest, wave.real, rate) if blown is None else blown
+        calm, some = wave.real + limited(rest, rate), rows[:, out]
         c = _explained(gram - some @ some.T, rows @ calm - some @ calm[out], ridge=RIDGE)[0]
         wave = _paired(c) @ columns
     return wave, np.where(out, wave.real, calm), out

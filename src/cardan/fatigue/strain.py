@@ -15,7 +15,10 @@ RECTANGULAR = (0.0, 45 * deg, 90 * deg)
 DELTA = (0.0, 60 * deg, 120 * deg)
 """Angles of the grids of a rosette, from its own x axis."""
 
-Measure: TypeAlias = "Callable[[PlaneStress], FloatArray]"
+SHEARED = 0.3
+"""Of the largest part of a stress, below which its sum of normal stresses is no sign."""
+
+Measure: TypeAlias = Callable[["PlaneStress"], FloatArray]
 """One number for a plane stress: `signed_mises`, `largest`, or a plane's normal stress."""
 
 
@@ -107,12 +110,37 @@ def rosette(
     )
 
 
-def signed_mises(stress: PlaneStress) -> FloatArray:
+def signed_mises(stress: PlaneStress, *, along: FloatArray | None = None) -> FloatArray:
     """Von Mises stress with the sign of the larger principal stress, (...) Pa.
 
-    Good where direction and biaxiality hardly move; else count on planes.
+    Good where direction and biaxiality hardly move; else count on planes. Shear has no larger one,
+    and what little stands beside it would turn the sign: then that of the stress `along` (3,) the
+    way it mostly swings, `swinging`.
     """
-    return np.where(stress.x + stress.y < 0, -1.0, 1.0) * stress.mises
+    a, b, c = (1.0, 1.0, 0.0) if along is None else along
+    return np.where(a * stress.x + b * stress.y + c * stress.xy < 0, -1.0, 1.0) * stress.mises
+
+
+def swinging(stress: PlaneStress) -> FloatArray:
+    """Which way a stress (n,) mostly swings: (3,) times its x, y and xy that is, with its sign.
+
+    The first principal component about zero, as long as von Mises' stress is; the loudest hundredth
+    counts as loud as the rest, for what a logger lost is no load. Tension is positive, and
+    of shear the way it mostly stands.
+    """
+    parts = np.stack([stress.x, stress.y, stress.xy])
+    parts = parts[:, np.isfinite(parts).all(0)]
+    # Rows of u = R σ with |u| von Mises' stress.
+    root = np.array([[1.0, -0.5, 0.0], [0.0, np.sqrt(0.75), 0.0], [0.0, 0.0, np.sqrt(3.0)]])
+    u = root @ parts
+    size = np.sqrt((u**2).sum(0))
+    if not size.any():
+        return np.array([1.0, 1.0, 0.0])
+    u = u * np.minimum(1.0, np.quantile(size, 0.99) / np.maximum(size, 1e-300))
+    way = np.linalg.eigh(u @ u.T)[1][:, -1] @ root
+    tension = float(way[0] + way[1])
+    sheared = abs(tension) < SHEARED * float(np.abs(way).max())
+    return -way if (float((way @ parts).mean()) if sheared else tension) < 0 else way
 
 
 def largest(stress: PlaneStress) -> FloatArray:
@@ -135,6 +163,8 @@ class Gauge:
         Turns pieces of those channels (k, n) into stress (n,) Pa.
     plane
         Turns them into the plane stress, of which `stress` is one measure; None of single gauges.
+    along
+        Which way that mostly swings, as `signed_mises` takes it.
     doubts
         Whether its channels are what they are taken for, a sentence each.
     assumed
@@ -147,6 +177,7 @@ class Gauge:
     channels: tuple[str, ...]
     stress: Callable[[FloatArray], FloatArray]
     plane: Callable[[FloatArray], PlaneStress] | None = None
+    along: FloatArray | None = None
     doubts: tuple[Said, ...] = ()
     assumed: str = ""
     otherwise: tuple[str, float] | None = None
@@ -172,17 +203,20 @@ def rosette_gauge(
     angles: tuple[Radian, ...] = RECTANGULAR,
     modulus: Pascal = 206 * GPa,
     poisson: float = 0.3,
-    measure: Measure = signed_mises,
+    measure: Measure | None = None,
+    along: FloatArray | None = None,
 ) -> Gauge:
     """Return a rosette whose stress is one measure of its plane stress.
 
-    `unit` is that of the strains, one for all grids or (grids, 1).
+    `unit` is that of the strains, one for all grids or (grids, 1). Without a measure it is
+    von Mises' stress, with the sign of what is `along` the way it swings.
     """
+    of = measure or partial(signed_mises, along=along)
 
     def plane(piece: FloatArray) -> PlaneStress:
         return rosette(piece * unit, angles=angles, modulus=modulus, poisson=poisson)
 
     def stress(piece: FloatArray) -> FloatArray:
-        return measure(plane(piece))
+        return of(plane(piece))
 
-    return Gauge(name=name, channels=channels, stress=stress, plane=plane)
+    return Gauge(name=name, channels=channels, stress=stress, plane=plane, along=along)

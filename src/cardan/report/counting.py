@@ -41,12 +41,13 @@ BETWEEN = {
 
 def document(of: Campaign) -> dict[str, Any]:
     """Return the options in force, in their own words; null is not given."""
-    return {
+    options = {
         f.name: list(value) if isinstance(value, tuple) else value
         for f in fields(of)
         if f.name not in ("application", "changed", "limits")
         for value in (getattr(of, f.name),)
     }
+    return options | {"mean_sensitivity": of.sensitivity}
 
 
 def rows(of: Heard, say: Language) -> Iterator[tuple[str, str]]:
@@ -97,7 +98,7 @@ def _numbers(of: Heard, say: Language) -> Iterator[tuple[str, str]]:
     judged = asked.strain_life is not None
     given = (
         (say("tensile strength"), asked.ultimate_MPa, " MPa"),
-        (say("mean-stress sensitivity"), asked.mean_sensitivity, ""),
+        (say("mean-stress sensitivity"), asked.sensitivity, ""),
         (say("Young's modulus"), strained, " GPa"),
         (say("scatter of log10 strength"), asked.scatter or None, ""),
         (say("error of the gauge"), asked.gauge_error or None, ""),

@@ -7,7 +7,7 @@ recording.
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any
@@ -50,6 +50,10 @@ NAME = "recording"
 ASKED = Source("asked of the recording")
 """Who says how long a gauge has to live, where no profile does."""
 
+WALKER = 0.65
+"""Exponent of Walker's equation where none is given: about that of steels (Dowling, Fatigue Fract.
+Eng. Mater. Struct. 32 (2009)).
+"""
 FASTEST = 25.0
 """Turns/s that a shaft's tacho must be able to tell: 1500 rpm."""
 
@@ -628,6 +632,10 @@ class Campaign:
             )
             raise DesignError(msg)
 
+    def held_apart(self, recording: Recording) -> float:
+        """Return up to how many turns a second the tacho's pulses are held apart."""
+        return recording.rate / 2.5 / self.pulses
+
     def shaft(self, recording: Recording) -> Angle | None:
         """Return how far the shaft has turned: measured, counted, or found in a gauge.
 
@@ -637,7 +645,7 @@ class Campaign:
             If the tacho's pulses come faster than the recording can hold them apart.
         """
         if self.tacho is not None:
-            fastest = recording.rate / 2.5 / self.pulses
+            fastest = self.held_apart(recording)
             if fastest < FASTEST:
                 msg = (
                     f"{self.tacho}: {self.pulses} pulses a turn at {recording.rate:g} Hz are held "
@@ -648,6 +656,13 @@ class Campaign:
             counted = rotation_from_pulses(
                 recording.pieces([self.tacho]), rate=recording.rate, per_turn=self.pulses
             )
+            if (most := _fastest(counted, pulses=self.pulses)) > fastest:
+                msg = (
+                    f"{self.tacho} is read up to {most * 60:.0f} rpm, and {self.pulses} pulses a "
+                    f"turn at {recording.rate:g} Hz are held apart up to {fastest * 60:.0f} rpm: "
+                    "what turns faster looks slower; it needs more samples or a divided pulse"
+                )
+                raise DesignError(msg)
             return Angle(counted, lag=0.02)
         if self.speed is not None:
             engine = None if self.engine is None else self._read(recording, self.engine)
@@ -790,22 +805,27 @@ class Campaign:
                     f"rosette {name}: {twice} stands in it twice; three channels are one grid each"
                 )
                 raise DesignError(msg)
-            units = np.array([_unit(recording, c, given, STRAIN) for c in channels])
+            units = np.array([_unit(recording, c, given, STRAIN) for c in channels])[:, None]
+            angles, modulus = _KINDS[self.rosette_kind], self.modulus_GPa * GPa
+            read, _ = _looked_at(recording, channels)
+            if self.zero != "none":
+                read -= np.nanmedian(read, axis=1, keepdims=True)
+            along = strain.swinging(strain.rosette(read * units, angles=angles, modulus=modulus))
             found += [
                 strain.rosette_gauge(
-                    name + end, channels, unit=units[:, None], angles=_KINDS[self.rosette_kind],
-                    modulus=self.modulus_GPa * GPa, measure=of,
+                    name + end, channels, unit=units, angles=angles, modulus=modulus, measure=of,
+                    along=along,
                 )
                 for end, of in self._measures().items()
             ]  # fmt: skip
         return found
 
-    def _measures(self) -> dict[str, Callable[[strain.PlaneStress], FloatArray]]:
+    def _measures(self) -> dict[str, strain.Measure | None]:
         """Return what is counted of a rosette, by the ending of the gauge's name."""
         if self.rosette_measure == "planes":
-            angles = range(0, 180, 10)
+            angles = sorted({*range(0, 180, 10), 45, 135})  # a shaft's, by a leg on its axis
             return {f"@{a}": partial(strain.PlaneStress.normal, angle=a * deg) for a in angles}
-        return {"": strain.signed_mises if self.rosette_measure == "mises" else strain.largest}
+        return {"": None if self.rosette_measure == "mises" else strain.largest}
 
     def _curve(self) -> SNCurve:
         try:
@@ -825,8 +845,20 @@ class Campaign:
         curve = SNCurve(amplitude=amplitude * MPa, cycles=cycles, slope=slope, scatter=self.scatter)
         return _CURVES[self.miner](curve)
 
+    @property
+    def sensitivity(self) -> float | None:
+        """M of fkm or the exponent of walker, as they are in force; None of others."""
+        if self.mean_sensitivity is not None or self.mean_stress not in ("fkm", "walker"):
+            return self.mean_sensitivity
+        if self.mean_stress == "walker":
+            return WALKER
+        if self.ultimate_MPa is None:
+            msg = "fkm needs the tensile strength (--ultimate-MPa) or --mean-sensitivity"
+            raise DesignError(msg)
+        return correction.mean_sensitivity(self.ultimate_MPa * MPa)
+
     def _correction(self) -> Correction:
-        name, given = self.mean_stress, self.mean_sensitivity
+        name = self.mean_stress
         ultimate = None if self.ultimate_MPa is None else self.ultimate_MPa * MPa
         if name in ("goodman", "gerber"):
             if ultimate is None:
@@ -834,13 +866,9 @@ class Campaign:
                 raise DesignError(msg)
             return partial(getattr(correction, name), ultimate=ultimate)
         if name == "fkm":
-            if given is None and ultimate is None:
-                msg = "fkm needs the tensile strength (--ultimate-MPa) or --mean-sensitivity"
-                raise DesignError(msg)
-            M = given if given is not None else correction.mean_sensitivity(ultimate or 0.0)
-            return partial(correction.fkm, sensitivity=M)
+            return partial(correction.fkm, sensitivity=self.sensitivity)
         if name == "walker":
-            return partial(correction.walker, exponent=0.65 if given is None else given)
+            return partial(correction.walker, exponent=self.sensitivity)
         return correction.swt if name == "swt" else correction.uncorrected
 
 
@@ -973,6 +1001,12 @@ def _unit(
     return table[name]
 
 
+def _fastest(counted: Rotation, *, pulses: int) -> float:
+    """Return how fast a tacho turns at most, turns/s, over a turn or some pulses of it."""
+    over = min(max(pulses, 9), counted.time.size - 1)
+    return float((over / pulses / (counted.time[over:] - counted.time[:-over])).max())
+
+
 def _unit_of(channel: Channel) -> str:
     """Return the unit of a channel by its file, or else by its name; "" if neither says one."""
     return channel.unit or _named_unit(channel)
@@ -1075,17 +1109,23 @@ def _turning(channel: str, speed: FloatArray, unit: str) -> None:
 
 def _every(recording: Recording, channel: str) -> tuple[FloatArray, float]:
     """Return a slow channel as it is looked at, and how often: of a day's drive less often."""
+    values, rate = _looked_at(recording, [channel])
+    return values[0], rate
+
+
+def _looked_at(recording: Recording, channels: Sequence[str]) -> tuple[FloatArray, float]:
+    """Return channels (k, n) as they are looked at, and how often."""
     every, start, count = max(int(recording.rate / READ), 1), 0, 0
     read: list[FloatArray] = []
-    for piece in recording.pieces([channel]):
-        x = piece[0]
-        read.append(np.array(x[-start % every :: every], float))
-        start, count = start + x.size, count + read[-1].size
+    for piece in recording.pieces(channels):
+        read.append(np.array(piece[:, -start % every :: every], float))
+        start, count = start + piece.shape[1], count + read[-1].shape[1]
         while count > MOST:
-            before = np.cumsum([0, *(part.size for part in read)])
-            read = [part[at % 2 :: 2].copy() for part, at in zip(read, before, strict=False)]
-            every, count = 2 * every, sum(part.size for part in read)
-    return np.concatenate(read or [np.empty(0)]), recording.rate / every
+            before = np.cumsum([0, *(part.shape[1] for part in read)])
+            read = [part[:, at % 2 :: 2].copy() for part, at in zip(read, before, strict=False)]
+            every, count = 2 * every, sum(part.shape[1] for part in read)
+    whole = np.concatenate(read, axis=1) if read else np.empty((len(channels), 0))
+    return whole, recording.rate / every
 
 
 def _worded(value: Any, *, several: bool) -> Any:

@@ -203,7 +203,7 @@ class RecordingStudy:
         campaign.hold(recording, samples=samples)
         beyond = campaign.beyond(seconds)
         angle = campaign.shaft(recording)
-        ends = _unsaid(campaign, angle, seconds)
+        ends = _unsaid(campaign, recording, angle, seconds)
         recording = replace(recording, notes=(*recording.notes, *beyond, *ends))
         plan = replace(plan, fastest=_fastest(angle))
         lives = room.counted(
@@ -804,6 +804,8 @@ def _progress(recording: Recording, tell: Tell) -> room.Progress:
     return told
 
 
+QUICK = 60.0
+"""Turns a second that few propshafts reach: 3600 rpm."""
 OPEN = 0.1
 """Share of a recording without a speed from which nobody knows its way."""
 
@@ -819,10 +821,17 @@ def _held(angle: Angle, seconds: float) -> bool:
     return sum(_unheard(angle, seconds)) + float(np.diff(angle.holes).sum()) <= OPEN * seconds
 
 
-def _unsaid(campaign: Campaign, angle: Angle | None, seconds: float) -> Iterator[str]:
+def _unsaid(
+    campaign: Campaign, recording: Recording, angle: Angle | None, seconds: float
+) -> Iterator[str]:
     """Yield what to know of a speed that begins late, ends early or is not there between."""
     if angle is None:
         return
+    if campaign.tacho and (apart := campaign.held_apart(recording)) < QUICK:
+        yield (
+            f"{campaign.tacho}: {campaign.pulses} pulses a turn are held apart up to "
+            f"{apart * 60:.0f} rpm; a shaft that turned much faster would be told as slower"
+        )
     channel, driven = campaign.speed, campaign.axle_ratio is not None
     found: list[str] = []
     if any(lost := _unheard(angle, seconds)):
