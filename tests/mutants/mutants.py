@@ -608,7 +608,7 @@ FATIGUE = (
            "verify/test_cause.py::test_a_blow_at_order_2_convicts_nobody"),
     mutant("fatigue/locked.py", "best = 0.0 if low <= 0 <= high else", "best =", "a lag that nobody knows is told",
            "verify/test_cause.py::test_a_lag_that_a_mode_looks_like_is_no_lag"),
-    mutant("fatigue/response.py", "middle < 0 and line.strength < CLEAR and case.following()", "False", "a slipping angle has the last word",
+    mutant("fatigue/response.py", "middle < 0 and case.following()", "False", "a slipping angle has the last word",
            "verify/test_cause.py::test_an_angle_not_to_trust_acquits_nobody"),
     mutant("fatigue/angle.py", "x[a : b + 1] = np.nan", "pass", "a lost value stops the shaft",
            "verify/test_cause.py::test_zeros_out_of_nothing_are_holes_and_a_stop_is_a_stop"),

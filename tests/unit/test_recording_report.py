@@ -5,6 +5,7 @@ import shutil
 import subprocess
 from dataclasses import replace
 from hashlib import sha256
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -29,7 +30,7 @@ from cardan.report.html import page
 from cardan.report.identified import NAMES, parameter
 from cardan.report.language import CODES, Language, catalogue
 from cardan.report.pdf import document
-from cardan.report.recording_chapter import haigh
+from cardan.report.recording_chapter import haigh, order_cut
 from cardan.study import agreement
 from cardan.study.campaign import Campaign
 from cardan.study.identification import Parameter
@@ -97,6 +98,27 @@ def test_a_page_and_a_document_tell_it_in_every_language(found, code, tmp_path):
     read = subprocess.run(["pdftotext", str(path), "-"], capture_output=True, text=True, check=True)
     assert hours in read.stdout
     assert say(found.answer.causes.evidence[0].finding).upper() in read.stdout
+
+
+def test_what_is_computed_stands_beside_one_gauge_at_a_time(found):
+    """Twelve series of dots in one picture, two of each colour, told nobody anything."""
+    cuts = found.answer.pictures.cuts
+    names, say = ["S1", "S<2>"], Language("en")
+    assert [f.title for f in order_cut(cuts, names, 2.0, say)] == [
+        "Order 2: amplitude", "Order 2: phase",
+    ]  # fmt: skip
+    half, late = 0.5 * cuts.amplitude[:1], (-0.005, 0.02)
+    told = SimpleNamespace(gauges=("S1",), cuts=cuts, written=half, found=cuts.amplitude[:1])
+    size, phase, *other = order_cut(cuts, names, 2.0, say, found=told, late=late)
+    assert size.title == "Order 2, S1: amplitude"
+    for said in ("recorded", "as written", "found"):
+        assert said in size.svg
+        assert said not in other[0].svg or said == "recorded"
+    assert "-5 to 20 ms after its speed" in phase.note
+    assert "4.5 deg up or down for each hertz" in phase.note
+    # A tacho counts turns as they come.
+    (_, steady) = order_cut(cuts, names, 2.0, say, late=(-0.001, 0.001))
+    assert "after its speed" not in steady.note
 
 
 ASKED = [

@@ -738,6 +738,9 @@ def test_a_report_names_the_study_that_fails_where_no_move_helps():
         said,
     )
     assert next(what_to_change(found, "pt")).startswith("reprovado (vibração): ")
+    # Its first page says so beside what would help elsewhere, as a warning's remedy stood there.
+    told = story.approval(found, helps=(), fixes=(), say=EN, issue=ISSUE)
+    assert "no move was tried against it" in str(told.chapters[0])
 
 
 def test_a_report_names_what_is_required_and_unanswered():

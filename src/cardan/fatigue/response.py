@@ -620,7 +620,7 @@ def _locked(case: _Case, seed: int) -> Identified:
     rng = np.random.default_rng(seed)
     mean = theirs.wave()
     middle, own = case.removed(mean), case.among(mean)
-    if middle < 0 and line.strength < CLEAR and case.following():
+    if middle < 0 and case.following():
         # What is held of it does harm: the angle slips, and what follows the shaft tells more.
         return _not_locked(case)
     # How far draws lie from it shows among the thinned samples as well as among all.

@@ -3,11 +3,11 @@
 import math
 from collections.abc import Iterator, Sequence
 from io import BytesIO
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import ComplexArray, FloatArray
 from cardan.base.units import MPa
 from cardan.fatigue.correction import Correction
 from cardan.fatigue.cuts import Cuts
@@ -36,6 +36,8 @@ from cardan.study.recording import Heard, Mix, Pictures
 
 DOTS = 1200
 """Windows of an order cut that are drawn, at most."""
+_Cut: TypeAlias = tuple[str, FloatArray, ComplexArray, ComplexArray]
+"""Name, speeds in rpm, and of an order what has an amplitude and what has a phase, (n,) Pa."""
 TACHO = 0.002
 """Width of a lag's interval that no phase shows, s: a tacho's, which counts turns as they come."""
 
@@ -297,43 +299,47 @@ def order_cut(
 ) -> Iterator[Figure]:  # fmt: skip
     """Yield amplitude and phase of an order against speed, recorded and computed.
 
-    `late`, low and high s, is how much later than its speed the stress may come: by that the phase
-    tilts.
+    What is computed stands beside one gauge at a time: of all of them nobody could tell the dots
+    apart. `late`, low and high s, is how much later than its speed the stress may come: by that
+    the phase tilts.
     """
-    k = cuts.orders.index(order)
+    k, title = cuts.orders.index(order), say("Order {order}", order=say.short(order))
     every = max(cuts.windows.time.size // DOTS, 1)
     speed = cuts.windows.speed[::every] * 60
-    size: list[Series] = []
-    phase: list[Series] = []
+    shown: dict[str, list[_Cut]] = {}
     for g, name in enumerate(names):
         z, noise = cuts.amplitude[g, k, ::every], cuts.noise[g, k, ::every]
-        size.append(Series(name=name, x=speed, y=np.abs(z) / MPa, joined=False, points=True))
         # Where an order is not above its noise it has no phase.
-        clear = np.abs(z) > 3 * noise
-        turned = np.where(clear, np.angle(z, deg=True), np.nan)
-        phase.append(Series(name=name, x=speed, y=turned, joined=False, points=True))
+        clear = np.where(np.abs(z) > 3 * noise, z, np.nan)
+        if found is None:
+            shown.setdefault(title, []).append((name, speed, z, clear))
+        else:
+            shown[f"{title}, {name}"] = [(say("recorded"), speed, z, clear)]
     if found is not None:
         at = found.cuts.windows.speed * 60
         for said, values in ((say("as written"), found.written), (say("found"), found.found)):
             for g, name in enumerate(found.gauges):
-                z = values[g, k]
-                title = f"{name}, {said}" if len(found.gauges) > 1 else said
-                size.append(Series(name=title, x=at, y=np.abs(z) / MPa, joined=False, points=True))
-                phase.append(
-                    Series(name=title, x=at, y=np.angle(z, deg=True), joined=False, points=True)
-                )
-    title = say("Order {order}", order=say.short(order))
+                shown[f"{title}, {name}"].append((said, at, values[g, k], values[g, k]))
+    for one, series in shown.items():
+        yield from _cut(one, series, tilting(late, say), say)
+
+
+def _cut(title: str, shown: Sequence[_Cut], tilts: str, say: Language) -> Iterator[Figure]:
+    """Yield an amplitude and a phase, each series in dots."""
+    dots = {"joined": False, "points": True}
     yield plot(
-        say, title=say("{order}: amplitude", order=title), series=size,
+        say, title=say("{order}: amplitude", order=title),
+        series=[Series(name=n, x=x, y=np.abs(z) / MPa, **dots) for n, x, z, _ in shown],
         alt=say("Amplitude over shaft speed, window by window."),
         x_label=say("shaft speed, rpm"), y_label=say("amplitude, MPa"), zero=True,
     )  # fmt: skip
     yield plot(
-        say, title=say("{order}: phase", order=title), series=phase,
+        say, title=say("{order}: phase", order=title),
+        series=[Series(name=n, x=x, y=np.angle(z, deg=True), **dots) for n, x, _, z in shown],
         alt=say("Phase over shaft speed, window by window."),
         x_label=say("shaft speed, rpm"), y_label=say("phase against the shaft, deg"),
         y=(-190.0, 190.0),
-        note=say("Only where the order stands three times above its noise.") + tilting(late, say),
+        note=say("Only where the order stands three times above its noise.") + tilts,
     )  # fmt: skip
 
 

@@ -261,6 +261,7 @@ def _first_page(
         said.append((problem(one, say, several=several), moves))
     if said:
         yield Points(caption=say("What to change first"), points=tuple(said))
+    yield from _untried(rows, say, several=several)
 
 
 def verdict(of: Approval, say: Language, *, short: bool = False) -> Iterator[Block]:
@@ -379,21 +380,24 @@ def _changes(
                 for one in helps
             ),
         )
-    # Moves are tried on what the driveline answers: nobody knows one against what others find.
-    beyond = [
-        c
-        for c in of.checks
-        if c.grade != "pass" and QUANTITIES[c.quantity].study not in ("", DRIVELINE)
-    ]
-    if beyond:
-        yield Points(
-            caption=say("What other studies found: no move was tried against it"),
-            points=tuple((_beyond(c, say, several=several), ()) for c in worst_of_each(beyond)),
-        )
+    yield from _untried(of.checks, say, several=several)
     if of.coverage.missed:
         yield Points(
             caption=say("What no move answers"),
             points=tuple((gap, ()) for gap in gaps(of.coverage.missed, say, several=several)),
+        )
+
+
+def _untried(checks: Sequence[Check], say: Language, *, several: bool) -> Iterator[Block]:
+    """Yield what other studies found: moves are tried on what the driveline answers."""
+    beyond = [
+        c for c in checks
+        if c.grade != "pass" and QUANTITIES[c.quantity].study not in ("", DRIVELINE)
+    ]  # fmt: skip
+    if beyond:
+        yield Points(
+            caption=say("What other studies found: no move was tried against it"),
+            points=tuple((_beyond(c, say, several=several), ()) for c in worst_of_each(beyond)),
         )
 
 
