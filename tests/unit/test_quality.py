@@ -311,6 +311,7 @@ def test_a_clock_says_its_unit_in_its_name(tmp_path, name):
         (("--joint-orders", "3,4"), "--joint-orders are of 2, 4 and 6, got 3"),
         (("--crack-threshold", "2"), "--crack-threshold does nothing by itself: it needs --crack"),
         (("--crack-shape", "1"), "it needs --crack"),
+        (("--strain-life", "900,-0.09,60,-0.6"), "EPSILON_F of a strain-life curve is a strain"),
         (("--strain-mean", "morrow"), "it needs --strain-life"),
         (("--miner-scatter", "0.2"), "it needs --service-hours"),
         (("--mean-sensitivity", "0.2"), "it needs --mean-stress fkm or walker"),

@@ -478,6 +478,12 @@ class Campaign:
             raise DesignError(msg)
         modulus = self.modulus_GPa * GPa
         strength, b, ductility, c = given[:4]
+        if not 0 < ductility <= 10:
+            msg = (
+                "EPSILON_F of a strain-life curve is a strain, above 0 and at most 10 (0.6, not "
+                f"60), got {ductility:g}"
+            )
+            raise DesignError(msg)
         curve = local.common(
             modulus=modulus, strength=strength * MPa, exponent=b, ductility=ductility,
             ductility_exponent=c,
