@@ -441,10 +441,20 @@ def test_a_recording_s_life_is_held_against_the_limit():
     }
 
 
-@pytest.mark.parametrize(("curve", "needs"), [(None, "duty, and bracket.fatigue"), (CURVE, "duty")])
-def test_a_life_that_is_not_known_asks_for_nothing_the_file_has(curve, needs):
-    """A bracket with `fatigue` and without a duty cycle was told to give both."""
-    of: Any = SimpleNamespace(bracket=Bracket(shape=SHAPE, material=PLAIN, fatigue=curve))
+@pytest.mark.parametrize(
+    ("curve", "lasts", "needs"),
+    [
+        (None, False, "duty, and bracket.fatigue"), (CURVE, False, "duty"),
+        (None, True, "bracket.fatigue"),
+    ],
+)  # fmt: skip
+def test_a_life_that_is_not_known_asks_for_nothing_the_file_has(curve, lasts, needs):
+    """A bracket with `fatigue` or with a duty cycle, and without the other, was told to give both.
+
+    Of recordings curves alone make lives, too.
+    """
+    bracket = Bracket(shape=SHAPE, material=PLAIN, fatigue=curve)
+    of: Any = SimpleNamespace(bracket=bracket, lasts=lasts)
     judged: Any = SimpleNamespace(features=(), outcomes=(), duty=())
     limit = Limit(quantity="bracket_life", maximum=1e6, sense=">=", source=MINER)
     (found,) = _unanswered(of, judged, (limit,))

@@ -54,6 +54,8 @@ class BracketAnswer:
     variants: tuple[Judged, ...]
     series: tuple[float, float] | None = None
     """Stiffness of rubber and bracket in series, up and level, N/m, where no other is given."""
+    lasts: bool = False
+    """Whether there is a duty cycle, or a recording, whose life curves alone would tell."""
 
 
 def judged(
@@ -96,6 +98,7 @@ def study(
         top_speed=bench.top_speed,
         variants=tuple(variants),
         series=bench.series,
+        lasts=bool(bench.response.duty or bracket.recordings),
     )
 
 
@@ -261,10 +264,11 @@ def _unanswered(
 
     Where a number has nothing of some places, nothing is approved without them.
     """
+    curves = "bracket.fatigue" if of.lasts else "duty, and bracket.fatigue"
     needs = {
         "bracket_stress_utilisation": ("bracket.material with its yield strength",),
         "bracket_fatigue_utilisation": ("bracket.fatigue",),
-        "bracket_life": ("duty" if of.bracket.fatigue else "duty, and bracket.fatigue",),
+        "bracket_life": ("duty" if of.bracket.fatigue else curves,),
         "bracket_slip_utilisation": ("bracket.bolts",),
         "bracket_resonance": ("speed_rpm",),
     }
@@ -336,10 +340,10 @@ def _by_hand(bracket: Bracket, case: BracketCase, *, standing: float = 0.0) -> F
     """Return the loads (9,) of a case given by hand.
 
     What stands still feels `standing` m/s², which is not counted twice where loads that the
-    case comes on top of have it.
+    case comes on top of have it, nor taken from them by a case that says nothing of it.
     """
     a = np.asarray(case.acceleration)
-    if any(case.acceleration):
+    if a[2]:
         a = a - np.array([0.0, 0.0, standing])
     force = np.asarray(case.force) - bracket.carried_mass * a
     return np.concatenate([force, case.moment, a])
