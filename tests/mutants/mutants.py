@@ -903,7 +903,7 @@ BRACKET = (
            "bolts hold the mildest moment of a case", "unit/test_bracket_in_bolts.py::test_what_the_bolts_hold_is_told_of_the_worst_moment"),
     mutant("study/bracket_contact.py", "for on in (self.tight, self.soft))", "for on in (self.tight,))",
            "bolts slip on a hard frame alone", "unit/test_bracket_in_bolts.py::test_what_the_bolts_hold_is_asked_of_both_frames"),
-    mutant("bracket/estimate.py", "_BEHIND * of.finer", "0.0 * of.finer",
+    mutant("bracket/estimate.py", "behind * of.finer", "0.0 * of.finer",
            "washers ask for no elements", "unit/test_bracket_safe.py::test_an_estimate_in_bolts_is_good_to_a_factor_of_two"),
     mutant("bracket/estimate.py", "of.forces * 48 * _PLACES * unknowns", "0.0",
            "stress in contact is kept nowhere", "unit/test_bracket_safe.py::test_an_estimate_in_bolts_is_good_to_a_factor_of_two"),

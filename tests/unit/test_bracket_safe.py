@@ -208,9 +208,10 @@ IN_BOLTS = {
     "L, 8 mm": (1.708e-04, 0.05091, 16, 699, 1832, 55_941, 1.04e9, 72),
     "U, 10 mm, M16": (6.780e-04, 0.1535, 20, 672, 925, 94_554, 1.68e9, 104),
     "U, 5 mm, ribbed": (1.801e-04, 0.07885, 12, 672, 875, 105_117, 1.68e9, 136),
+    "U, 2 mm": (5.704e-05, 0.05948, 6, 2634, 710, 221_775, 3.77e9, 335),
 }
-"""As they were solved alone, pulled along all three axes, forces by dozens: beside other work, which
-makes seconds of a processor a fifth more."""
+"""As they were solved, pulled along all three axes, forces by dozens; beside other work, with which
+seconds of a processor are a fifth more."""
 
 
 @pytest.mark.parametrize("shape", IN_BOLTS)
@@ -225,9 +226,9 @@ def test_an_estimate_in_bolts_is_good_to_a_factor_of_two(shape):
         volume=volume, area=area, size=min(size * mm, 10 * volume / area), degree=2,
         finer=finer, forces=forces,
     ))  # fmt: skip
-    assert 1 / 2 < found.unknowns / unknowns < 2
-    assert 1 / 2 < found.memory / memory < 2
-    assert 1 / 2 < 60 * found.minutes / seconds < 2
+    assert 1 / 1.4 < found.unknowns / unknowns < 1.4
+    assert 1 / 1.6 < found.memory / memory < 1.6
+    assert 1 / 1.8 < 60 * found.minutes / seconds < 1.8
 
 
 def test_where_contact_alone_is_too_much_leaving_it_out_is_told():

@@ -18,11 +18,9 @@ _COARSEST = 5.0
 _ADDED = 35e3
 """Unknowns that bends, ribs and refinement where it is worst add to those of plain sheet, whatever
 its elements: on six brackets 14 to 57 thousand."""
-_BOLTED = 20e3
-"""What contact adds to those: smaller elements under its heads, in every mesh, and more features that
-are followed for them. With it unknowns of eleven shapes are told to 0.65 to 1.55 of them."""
-_BEHIND = 3.0
-"""Elements behind a triangle of a face that asks for smaller ones than the rest."""
+_BEHIND, _BOLTED = 3.0, 7.0
+"""Elements behind a triangle of a face that asks for smaller ones than the rest; in contact, whose
+heads are followed on each mesh: so unknowns of seven brackets are told to 0.73 to 1.28 of them."""
 _PLACES = 0.12
 """Of the unknowns, places where stress in contact is kept: six numbers of four bytes a force, and
 as much again for the factors that solve for dozens of forces at once."""
@@ -99,12 +97,13 @@ def estimate(of: Model) -> Estimate:
     sparse Cholesky factorisations of a sheet's stiffness, two of the last mesh, one for each way
     its flange is held: measured at 43, 72 and 260 thousand unknowns. In contact there is a third,
     for which these make room, and each force takes its time, solved for by dozens: 0.039 to 0.046 s
-    of a processor on six shapes, and all else 29 to 49, each as of 72,705 unknowns, beside other
+    of a processor on seven shapes, and all else 29 to 49, each as of 72,705 unknowns, beside other
     work on two cores; alone a fifth less.
     """
     layers = max(of.thickness / of.size, 1.0)
-    elements = 1.3 * 3 * layers * triangles(of.area / 2, of.size) + _BEHIND * of.finer
-    unknowns = _ADDED + (_BOLTED if of.forces else 0.0) + _UNKNOWNS[of.degree] * elements
+    behind = _BOLTED if of.forces else _BEHIND
+    elements = 1.3 * 3 * layers * triangles(of.area / 2, of.size) + behind * of.finer
+    unknowns = _ADDED + _UNKNOWNS[of.degree] * elements
     denser = (of.degree / 2) ** 1.0  # higher degrees couple more unknowns to each
     factor, plain = 20 * unknowns ** (4 / 3), 8e3 * unknowns
     contact = of.forces * 48 * _PLACES * unknowns
