@@ -175,6 +175,7 @@ def made_up_bracket() -> Iterator[None]:
         used=spots / (300 * MPa),
         error=0 * spots,
         least=spots,
+        used_kinder=spots / (300 * MPa),
         used_within=np.stack([spots, spots], axis=-1) / (300 * MPa),
     )
     duty = Endured(

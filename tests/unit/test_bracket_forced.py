@@ -11,6 +11,7 @@ from cardan import files
 from cardan.base.errors import BadFile, DesignError
 from cardan.base.units import g
 from cardan.fatigue.rainflow import rainflow, repeating, turns
+from cardan.model.bracket import BracketCase
 from cardan.model.seat import seat
 from cardan.report.language import Language
 from cardan.study.approval import assess
@@ -216,6 +217,27 @@ def test_a_case_on_top_of_a_state_has_both_loads(response):
                     dark.demand, torque=np.full_like(response.demand.torque, np.nan)))),
             )
         )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("given", "adds"),
+    [
+        ((0, 3, 0), (0, 3, 0)),
+        ((2, 0, 0), (2, 0, 0)),
+        ((0, 3, 1), (0, 3, 0)),
+        ((0, 0, 1e-3), (0, 0, -1)),
+    ],
+)
+def test_a_case_sideways_leaves_a_state_its_gravity(response, given, adds):
+    """Three g sideways took one g downwards off: the frame fell freely, and nobody had said so."""
+    weighs = replace(response, application=replace(response.application, include_gravity=True))
+    side = BracketCase(name="kerb", acceleration=tuple(g * np.array(given)), state="gvw")
+    own = replace(truck("").bracket, cases=(side,))
+    cases = {str(c.when): c for c in cases_of(own, weighs)}
+    more = cases["kerb"].among[0].loads - cases["gvw: worst point"].loads
+    a = g * np.array(adds)
+    found = np.concatenate([-own.carried_mass * a, np.zeros(3), a])
+    assert more == pytest.approx(np.tile(found, (len(more), 1)), abs=2e-3 * 32 * g)
 
 
 def _without_points(response):

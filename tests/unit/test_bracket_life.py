@@ -20,7 +20,7 @@ from cardan.fatigue.strength import SNCurve
 from cardan.loads.cycle import Cycle
 from cardan.loads.statics import loads
 from cardan.model.application import DutyPoint
-from cardan.model.bracket import Bracket, FatigueCurve, UShape
+from cardan.model.bracket import Bolts, Bracket, FatigueCurve, UShape
 from cardan.model.material import Material
 from cardan.report.contract import check
 from cardan.report.language import Language
@@ -321,6 +321,7 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     outcome = SimpleNamespace(
         case=Case("pothole", np.zeros((1, 9))), hot=np.array([100, 250, 50]) * MPa,
         used=np.array([0.5, 0.75, np.nan]), life=None, error=np.array([10, 50, 2.5]) * MPa,
+        used_kinder=np.array([0.5, 0.7, np.nan]),
         used_within=np.array([[0.45, 0.55], [0.6, 1.2], [np.nan, np.nan]]),
         least=np.array([90, 235, 50]) * MPa,
     )  # fmt: skip
@@ -402,6 +403,42 @@ def test_a_bracket_swings_itself_where_it_gives_more_than_the_rubber():
     assert first([1.0, 1.0], ("yaw", "pitch", "bending")) == pytest.approx((150, 0.02))
 
 
+@pytest.mark.parametrize(
+    ("use", "kinder", "life", "longer", "needs"),
+    [
+        (0.9, 0.5, 4000, 1.5, (False, True)),  # long enough, held the kinder way
+        # A third less stress, as contact leaves open, is 6.2 times the life at slope 5.
+        (1.2, 0.9, 100, 6.5, (True, True)),
+        (1.2, 1.1, 100, 6.0, (False, False)),
+        (0.9, 0.5, 9000, 9.0, (False, False)),  # it lives, whichever is right
+    ],
+)
+@pytest.mark.parametrize("bolts", [None, Bolts(preload=27e3)])
+def test_a_verdict_that_the_flange_parts_says_what_settles_it(
+    use, kinder, life, longer, needs, bolts
+):
+    """5000 h are asked, and the fatigue limit; in contact there is but one answer."""
+    bracket = Bracket(shape=SHAPE, material=PLAIN, fatigue=CURVE, bolts=bolts)
+    of: Any = SimpleNamespace(bracket=bracket)
+    outcome = SimpleNamespace(
+        case=Case("gvw", np.zeros((1, 9))), used=np.array([use]), used_kinder=np.array([kinder]),
+        used_within=np.array([[kinder, use]]), life=None,
+    )  # fmt: skip
+    spots = np.array([1 / life])
+    spent = Endured(
+        when=Occasion("duty", "gvw"), spots=spots, gauges=np.zeros(0), turns=1.0, duration=hour,
+        span=np.stack([spots, spots], axis=-1), eased=spots / longer, kinder=spots / longer,
+    )  # fmt: skip
+    sheet = Feature(zone="sheet", number=1, point=(0, 0, 0), error=0.0)
+    judged: Any = SimpleNamespace(outcomes=(outcome,), duty=(spent,), features=(sheet,))
+    limits = (
+        Limit(quantity="bracket_fatigue_utilisation", normal=1.0, source=MINER),
+        Limit(quantity="bracket_life", maximum=5000 * hour, sense=">=", source=MINER),
+    )
+    found = [c.settled_by for c in checks_of(of, judged, limits)]
+    assert found == [("bracket.bolts",) if bolts is None and one else () for one in needs]
+
+
 def test_a_recording_s_life_is_held_against_the_limit():
     """Measured damage can fail beside a duty cycle that passes; a case by hand has no life."""
     features = tuple(
@@ -427,6 +464,7 @@ def test_a_recording_s_life_is_held_against_the_limit():
     of: Any = SimpleNamespace(
         bracket=SimpleNamespace(
             line="main",
+            bolts=None,
             material=SimpleNamespace(yield_strength=None),
             recordings=(SimpleNamespace(name="morning"),),
         )
@@ -441,10 +479,20 @@ def test_a_recording_s_life_is_held_against_the_limit():
     }
 
 
-@pytest.mark.parametrize(("curve", "needs"), [(None, "duty, and bracket.fatigue"), (CURVE, "duty")])
-def test_a_life_that_is_not_known_asks_for_nothing_the_file_has(curve, needs):
-    """A bracket with `fatigue` and without a duty cycle was told to give both."""
-    of: Any = SimpleNamespace(bracket=Bracket(shape=SHAPE, material=PLAIN, fatigue=curve))
+@pytest.mark.parametrize(
+    ("curve", "lasts", "needs"),
+    [
+        (None, False, "duty, and bracket.fatigue"), (CURVE, False, "duty"),
+        (None, True, "bracket.fatigue"),
+    ],
+)  # fmt: skip
+def test_a_life_that_is_not_known_asks_for_nothing_the_file_has(curve, lasts, needs):
+    """A bracket with `fatigue` or with a duty cycle, and without the other, was told to give both.
+
+    Of recordings curves alone make lives, too.
+    """
+    bracket = Bracket(shape=SHAPE, material=PLAIN, fatigue=curve)
+    of: Any = SimpleNamespace(bracket=bracket, lasts=lasts)
     judged: Any = SimpleNamespace(features=(), outcomes=(), duty=())
     limit = Limit(quantity="bracket_life", maximum=1e6, sense=">=", source=MINER)
     (found,) = _unanswered(of, judged, (limit,))

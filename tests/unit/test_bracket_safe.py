@@ -202,17 +202,16 @@ def test_an_estimate_is_good_to_a_factor_of_two(area, thickness, size, finer, un
 
 
 IN_BOLTS = {
-    "U, 1.5 mm, M6": (1.892e-5, 0.02634, 6, 1958, 505, 127_107, 2.03e9, 89),
-    "U, 2 mm": (5.916e-5, 0.06126, 6, 2634, 487, 97_635, 1.30e9, 57),
-    "U, 2 mm, ribbed": (7.835e-5, 0.08016, 6, 2634, 567, 178_191, 2.41e9, 185),
-    "L, 3 mm": (5.689e-5, 0.04069, 7, 784, 956, 63_780, 1.20e9, 57),
-    "U, 5 mm": (1.668e-4, 0.07334, 12, 672, 620, 94_680, 1.65e9, 71),
-    "STEP, 5 mm": (1.668e-4, 0.07334, 12, 672, 620, 95_442, 1.66e9, 73),
-    "L, 8 mm": (1.708e-4, 0.05091, 16, 699, 1099, 59_814, 1.12e9, 64),
-    "U, 10 mm, M16": (6.759e-4, 0.1520, 20, 672, 761, 93_753, 1.68e9, 81),
-    "U, 14 mm": (8.022e-4, 0.1375, 30, 788, 1160, 61_737, 1.15e9, 61),
+    "U, 5 mm": (1.668e-04, 0.07334, 12, 672, 875, 107_415, 1.89e9, 125),
+    "L, 3 mm": (5.051e-05, 0.03606, 7, 784, 1764, 69_810, 1.26e9, 108),
+    "U, 1.5 mm, M6": (1.740e-05, 0.02432, 6, 1927, 817, 168_057, 2.92e9, 235),
+    "L, 8 mm": (1.708e-04, 0.05091, 16, 699, 1832, 55_941, 1.04e9, 72),
+    "U, 10 mm, M16": (6.780e-04, 0.1535, 20, 672, 925, 94_554, 1.68e9, 104),
+    "U, 5 mm, ribbed": (1.801e-04, 0.07885, 12, 672, 875, 105_117, 1.68e9, 136),
+    "U, 2 mm": (5.704e-05, 0.05948, 6, 2634, 710, 221_775, 3.77e9, 335),
 }
-"""As they were solved one force at a time, and where what lay far from a head had a force alone."""
+"""As they were solved, pulled along all three axes, forces by dozens; beside other work, with which
+seconds of a processor are a fifth more."""
 
 
 @pytest.mark.parametrize("shape", IN_BOLTS)
@@ -227,9 +226,9 @@ def test_an_estimate_in_bolts_is_good_to_a_factor_of_two(shape):
         volume=volume, area=area, size=min(size * mm, 10 * volume / area), degree=2,
         finer=finer, forces=forces,
     ))  # fmt: skip
-    assert 1 / 2 < found.unknowns / unknowns < 2
-    assert 1 / 2 < found.memory / memory < 2
-    assert 1 / 2 < 60 * found.minutes / seconds < 2
+    assert 1 / 1.4 < found.unknowns / unknowns < 1.4
+    assert 1 / 1.6 < found.memory / memory < 1.6
+    assert 1 / 1.8 < 60 * found.minutes / seconds < 1.8
 
 
 def test_where_contact_alone_is_too_much_leaving_it_out_is_told():

@@ -5,17 +5,32 @@ from dataclasses import replace
 from html import escape
 from types import SimpleNamespace
 
+import jsonschema
 import numpy as np
 import pytest
 from brackets import BRACKET, LINE
 
 from cardan import files
-from cardan.base.part import Occasion
+from cardan.base.part import Occasion, Part
+from cardan.base.source import MINER
+from cardan.base.units import hour
+from cardan.base.verdict import Check, Limit
 from cardan.bracket.gauges import recover
 from cardan.bracket.shape import Picked
 from cardan.model.bracket import Bolts, BracketRecording
 from cardan.report import bracket_chapter, bracket_scene
-from cardan.report.bracket import bent_far, in_contact, pulled_off, remarks, terminal, verdict
+from cardan.report.blocks import Text
+from cardan.report.bracket import (
+    bent_far,
+    in_contact,
+    pulled_off,
+    remarks,
+    terminal,
+    verdict,
+    worn,
+)
+from cardan.report.contract import check
+from cardan.report.contract_schema import schema
 from cardan.report.language import CODES, Language
 from cardan.report.terminal import bare
 from cardan.study.approval import Approval
@@ -45,7 +60,8 @@ def outcome() -> Outcome:
         case=Case("gvw", np.zeros((1, 9)), turns=0.5, duration=0.012, what="combined"),
         von_mises=Found(110e6, at), highest=Found(115e6, at), lowest=Found(-90e6, at),
         on_edge=Found(200e6, at), hot=HOT, error=HOT / 100, mean=HOT / 2, amplitude=HOT / 2,
-        used=HOT / 150e6, used_within=np.outer(HOT / 150e6, [0.99, 1.01]), least=HOT,
+        used=HOT / 150e6, used_kinder=HOT / 150e6,
+        used_within=np.outer(HOT / 150e6, [0.99, 1.01]), least=HOT,
         strain=np.array([[-1e-4, 2e-4]]), bolts=np.array([1e3]), motion=1e-4, life=life,
     )  # fmt: skip
 
@@ -226,6 +242,55 @@ def test_a_report_says_what_narrows_a_bar_as_the_terminal_does(code):
     wide = tuple(replace(f, error=0.45) for f in first.features)
     assert not [line for line in report_of(changed(), say) if "`element_mm`" in line]
     assert [line for line in report_of(changed(features=wide), say) if "`element_mm`" in line]
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_what_the_flange_leaves_open_is_told_with_what_settles_it(code):
+    """Between 20 and 22.6 million hours helped nobody, and nothing said that `bolts` tells more."""
+    say, settled = Language(code), approved("original")
+    (finding,) = settled.findings
+    limit = Limit(quantity="bracket_life", maximum=5000.0 * hour, sense=">=", source=MINER)
+    life = Check(
+        quantity="bracket_life", line="main", when=Occasion("duty", "gvw"), part=Part("sheet", 1),
+        value=900 * hour, limit=limit, within=(20 * hour, 22.6e6 * hour),
+    )  # fmt: skip
+    wide = replace(life, settled_by=("bracket.bolts",))
+    written = "bolts: {preload_kN: 27, friction: 0.15}"
+    for one, there in ((life, False), (wide, True)):
+        told = replace(finding, checks=(one,))
+        of = replace(settled, findings=(told,))
+        said = bare(terminal(of, say, width=400))
+        assert ("`bracket.bolts`" in said) is there
+        assert (written in said) is there
+        document = check(one)
+        assert document.get("settled_by", []) == ["bracket.bolts"] * there
+        jsonschema.validate(document, schema()["$defs"]["check"] | {"$defs": schema()["$defs"]})
+        blocks = [*bracket_chapter.told(told, say)]
+        notes = [p for b in blocks if isinstance(b, Text) for p in b.paragraphs]
+        assert any(written in p for p in notes) is there
+
+
+@pytest.mark.parametrize("code", CODES)
+def test_cases_of_which_the_table_says_the_same_are_told_once(code):
+    """Order 2, and that with a mean which adds nothing, were two rows of the same numbers."""
+    say = Language(code)
+    answer = approved("original").findings[0].answer
+    (v,) = answer.variants
+    (first, *_) = v.outcomes
+    two = [
+        replace(first, life=replace(first.life, when=replace(first.life.when, what=what)))
+        for what in ("order 2", "combined")
+    ]
+    same = replace(v, outcomes=tuple(two), duty=())
+    assert [e.when.what for e in worn(same)] == ["combined"]
+    assert len(bracket_chapter._damage(same, say).rows) == 1
+    other = replace(two[0], life=replace(two[0].life, spots=1.01 * two[0].life.spots))
+    assert [e.when.what for e in worn(replace(same, outcomes=(other, two[1])))] == [
+        "order 2", "combined",
+    ]  # fmt: skip
+    elsewhere = replace(two[0].life.when, name="jounce")
+    other = replace(two[0], life=replace(two[0].life, when=elsewhere))
+    assert len(worn(replace(same, outcomes=(other, two[1])))) == 2
 
 
 CONTACT = InBolts(

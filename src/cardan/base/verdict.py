@@ -153,6 +153,8 @@ class Check:
     """What makes it so large there: the mode that an order of the line's turning meets."""
     within: tuple[float, float] | None = None
     """Between what the value lies by the error of what it is computed from, where one is known."""
+    settled_by: tuple[str, ...] = ()
+    """What a file would have to give to say which of the answers left open holds."""
 
     @property
     def state(self) -> str:

@@ -13,7 +13,6 @@ import numpy as np
 
 from cardan.base.arrays import FloatArray
 from cardan.bracket.elastic import Elastic, shape_functions
-from cardan.bracket.engine import engine
 from cardan.bracket.stress import von_mises
 
 _UNSEEN = 1.5
@@ -44,7 +43,7 @@ def from_afar(
     goals
         Node and case: whose stress is asked, the mean over the elements that meet there.
     """
-    volumes = _weights(body).sum(axis=1)
+    volumes = body.volumes.sum(axis=1)
     asked = sorted({c for _, c in goals})
     each = map(partial(_strains, body), _gaps(body, displacements[asked], smooth[:, asked]))
     strains = dict(zip(asked, each, strict=True))
@@ -91,14 +90,6 @@ def too_stiff(body: Elastic, fields: FloatArray, work: FloatArray) -> FloatArray
     return _UNSEEN_WHOLE * np.array(energy) / work
 
 
-def _weights(body: Elastic) -> FloatArray:
-    """Volume (elements, q) m³ that each point of the rule stands for."""
-    ngs = engine().ngs
-    where = body.mesh.MapToAllElements(body.rule(), ngs.VOL)
-    volume = np.abs(np.asarray(ngs.Det(ngs.specialcf.JacobianMatrix(3))(where), dtype=float))
-    return volume.reshape(-1, len(body.rule().weights)) * np.array(body.rule().weights)
-
-
 def _gaps(body: Elastic, displacements: FloatArray, smooth: FloatArray) -> Iterator[FloatArray]:
     """Yield stress that runs through from node to node, less each element's own, (e, q, 6) Pa."""
     N = shape_functions(np.array([p.point for p in body.rule()]))
@@ -115,4 +106,4 @@ def _strains(body: Elastic, stress: FloatArray) -> FloatArray:
     """
     E, nu = body.material.youngs_modulus, body.material.poisson
     give = (1 + nu) * np.diag([1.0, 1, 1, 2, 2, 2]) - np.pad(np.full((3, 3), nu), (0, 3))
-    return (stress.reshape(-1, 6) @ (give / E)).reshape(stress.shape) * _weights(body)[..., None]
+    return (stress.reshape(-1, 6) @ (give / E)).reshape(stress.shape) * body.volumes[..., None]

@@ -116,7 +116,7 @@ def mesh(
     return made
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Nodes:
     """Corners and edge middles of a mesh: where fields are drawn and searched.
 
@@ -205,7 +205,7 @@ class Elastic:
         tell("factorising")
         other = replace(self, free_dofs=free, inverse=_factors(self.stiffness, free))
         # The same however it is held.
-        known_by = "mass nodes rigid _says _silent _mean _meeting _functions _nodal within"
+        known_by = "mass nodes rigid _says _silent _mean _meeting _functions _nodal within volumes"
         for known in known_by.split():
             other.__dict__[known] = getattr(self, known)
         return other
@@ -514,6 +514,14 @@ class Elastic:
         """Return those points, as the engine has them."""
         ngs = engine().ngs
         return ngs.IntegrationRule(ngs.TET, 3)
+
+    @cached_property
+    def volumes(self) -> FloatArray:
+        """Volume (elements, q) m³ that each of those points stands for."""
+        ngs, rule = engine().ngs, self.rule()
+        where = self.mesh.MapToAllElements(rule, ngs.VOL)
+        volume = np.abs(np.asarray(ngs.Det(ngs.specialcf.JacobianMatrix(3))(where), dtype=float))
+        return volume.reshape(-1, len(rule.weights)) * np.array(rule.weights)
 
     def stress_on(self, rule: Any) -> Callable[[FloatArray], FloatArray]:
         """Return what reads stress (elements, q, c, 6) Pa at the points of a rule of the engine.

@@ -122,7 +122,7 @@ class Held:
         Share by which the natural frequencies by itself may be above those of finer elements; of
         the clamped flange nobody asks it.
     too_stiff : (3,) 1
-        The same of the stiffness against each force.
+        The same of the stiffness against each force; of the clamped flange neither.
     influence : (gauges, 9)
         Strain of each gauge.
     unsure : (gauges, 3) 1/N
@@ -422,7 +422,7 @@ def _held(hold: Hold, body: Solid, found: Solution, task: Task, size: Metre) -> 
         too_high=too_high(found.elastic, alone, shapes) if many else np.zeros(0),
         too_stiff=too_stiff(
             found.elastic, found.displacements[:3], units.compliance.diagonal()[:3]
-        ),
+        ) if many else np.zeros(0),
         influence=read[:, : len(UNITS)],
         unsure=np.zeros((len(task.gauges), 3)),
         swing=_swing(units, found, alone[:OWN], own, read[:, len(UNITS) :], loss=task.loss),

@@ -8,6 +8,7 @@ Recommendations for Fatigue Design of Welded Joints and Components (2016), secti
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -149,7 +150,7 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     """
     from scipy.spatial import cKDTree
 
-    edges = edges_of(nodes)
+    edges, narrow = _drawn(nodes, thickness)
     names = nodes.face_names
     on_held = np.isin(names, held)
     weld = np.char.startswith(names.astype(str), WELD)
@@ -157,7 +158,7 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
     border = ~on_held[here] & on_held[there]
     toe = ~on_held[here] & ~on_held[there] & ~weld[here]
     toe &= weld[there] | (edges.turn > RE_ENTRANT)
-    cut = _cut(nodes, edges, thickness)[nodes.face_numbers] & ~weld & (names != SEAT)
+    cut = narrow[nodes.face_numbers] & ~weld & (names != SEAT)
     at = edges[border | toe]
     lines = _lines(nodes, at, thickness=thickness)
     welded = np.char.startswith(names[at.others].astype(str), END)
@@ -217,6 +218,13 @@ def zones_of(nodes: Nodes, *, held: tuple[str, ...], thickness: Metre) -> Zones:
         normals=np.concatenate([_normals(nodes)[own], lines.normals]),
         told_by=told_by,
     )
+
+
+@lru_cache(maxsize=1)
+def _drawn(nodes: Nodes, thickness: Metre) -> tuple[Edges, BoolArray]:
+    """Return where faces of the drawing meet, and which are cut edges, however it is held."""
+    edges = edges_of(nodes)
+    return edges, _cut(nodes, edges, thickness)
 
 
 def _counted(name: str) -> tuple[int, str]:

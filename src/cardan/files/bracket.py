@@ -230,7 +230,8 @@ class CaseTable(Table):
     force: Force = key("on the bearing", default=(0.0, 0.0, 0.0))
     moment: Moment = key("about the bearing's centre", default=(0.0, 0.0, 0.0))
     acceleration: Acceleration = key(
-        "of the frame, felt by bracket and carried mass; standing still is [0, 0, 1] g",
+        "of the frame, felt by bracket and carried mass; standing still is [0, 0, 1] g, which a "
+        "state keeps where the last is 0",
         default=(0.0, 0.0, 0.0),
     )
     state: str | None = key(

@@ -253,7 +253,8 @@ class BracketCase:
     """A load at the bearing's centre, by hand, along the vehicle's axes.
 
     `acceleration` is that of the frame: standing still under gravity is (0, 0, +g). It acts
-    on the bracket's own mass and on the mass the bearing carries.
+    on the bracket's own mass and on the mass the bearing carries. On top of a state none
+    upwards leaves the state's gravity as it is.
     """
 
     name: str

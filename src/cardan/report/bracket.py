@@ -13,21 +13,22 @@ from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
 from cardan.base.part import Occasion
 from cardan.base.units import MPa, N, hour, kN, mm, rpm
+from cardan.base.verdict import Check
 from cardan.bracket.gauges import Recovered
 from cardan.bracket.refine import UNSETTLED
 from cardan.bracket.stress import superpose, von_mises
 from cardan.bracket.unit import UNITS
 from cardan.files.metals import key_of
 from cardan.loads.cycle import major_axis
-from cardan.model.bracket import BracketRecording
+from cardan.model.bracket import Bolts, BracketRecording, StepShape, usual_preload
 from cardan.report.contract import CONTRACT, check, coverage, operating_point, plain
 from cardan.report.language import EN, Language
 from cardan.report.screen import WIDTH, folded, table
 from cardan.report.terminal import BOLD, PLAIN, checks, summary, without_answer
 from cardan.report.wording import cited, curve, unanswered
 from cardan.study.approval import Approval
-from cardan.study.bracket import BracketAnswer
-from cardan.study.bracket_contact import APART, InBolts
+from cardan.study.bracket import CONTACT, BracketAnswer
+from cardan.study.bracket_contact import APART, EASED, InBolts
 from cardan.study.bracket_forced import FIRM, Forced
 from cardan.study.bracket_judge import Found, Judged, Outcome
 from cardan.study.bracket_life import Endured, strengths
@@ -36,6 +37,8 @@ from cardan.study.finding import BRACKET
 MICRO = 1e-6
 _SMALL = 0.1
 """Share of a bracket's size its seat may move by before small strains mean nothing."""
+_HOLE = 11 * mm
+"""Of an M10, where a file draws the holes itself."""
 SHOWN = 8
 """Cases that tables show; the contract has all."""
 DECADES = 1e-6
@@ -96,6 +99,7 @@ def verdict(approval: Approval, say: Language = EN, *, width: int = WIDTH) -> It
     yield from summary(approval, say)
     yield say("limits: {profile}", profile=approval.application.profile)
     yield from checks(approval, say, width=width)
+    yield from folded(parted(approval.of(BRACKET), approval.checks, say), width)
     yield from without_answer(unanswered(approval, say), approval.coverage, say)
 
 
@@ -340,6 +344,22 @@ def vague(v: Judged, say: Language) -> Iterator[str]:
         )  # fmt: skip
 
 
+def parted(of: BracketAnswer, found: Iterable[Check], say: Language) -> Iterator[str]:
+    """Yield how contact is asked for, where the two ways of holding part a verdict or a life."""
+    if not any(CONTACT in c.settled_by for c in found):
+        return
+    shape = of.bracket.shape
+    hole = _HOLE if isinstance(shape, StepShape) else shape.bolt_diameter
+    usual = Bolts(preload=usual_preload(hole))
+    yield say(
+        "Held the kinder of the two ways, sliding or clamped, the flange has another verdict, or a "
+        "life several times as long. In contact with the frame it has one answer, whose stress may "
+        "be {share} % lower at most: write `{key}` in `bracket`, with what your bolts have.",
+        share=f"{100 * (1 - EASED):.0f}",
+        key=f"bolts: {{preload_kN: {usual.preload / kN:.2g}, friction: {usual.friction}}}",
+    )  # fmt: skip
+
+
 def in_contact(v: Judged, say: Language) -> Iterator[str]:
     """Yield what contact made of fatigue and life, where that was asked."""
     if v.in_bolts is not None and v.in_bolts.when is not None:
@@ -465,9 +485,17 @@ def lives(v: Judged) -> list[Endured]:
 
 
 def worn(v: Judged) -> list[Endured]:
-    """Return the duty cycle, and the cases that wear most: what a table shows."""
-    cases = sorted((o.life for o in v.outcomes if o.life is not None), key=lambda e: e.hours)
-    return [*v.duty, *cases[:SHOWN]]
+    """Return the duty cycle, and the cases that wear most: what a table shows.
+
+    Cases of a state of which the table says the same are one, told as the last of them that the
+    state has: order 2 is combined with a mean that may add nothing.
+    """
+    alike: dict[tuple[Any, ...], Endured] = {}
+    for e in (o.life for o in v.outcomes if o.life is not None):
+        told = (e.per_turn, e.per_hour, e.hours, *e.hours_within)
+        worst = int(np.nanargmax(e.spots)) if e.worst > 0 else None
+        alike[e.when.name, worst, *(f"{x:.3g}" for x in told)] = e
+    return [*v.duty, *sorted(alike.values(), key=lambda e: e.hours)[:SHOWN]]
 
 
 def _lives(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[str]:
@@ -769,6 +797,7 @@ def _life(of: BracketAnswer, e: Endured) -> dict[str, Any]:
         "per_hour": known(e.per_hour),
         "life_hours": known(e.hours),
         "life_hours_within": [known(x) for x in e.hours_within],
+        "life_hours_kinder": known(e.hours_kinder),
     }
 
 

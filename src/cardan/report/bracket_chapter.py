@@ -25,6 +25,7 @@ from cardan.report.bracket import (
     in_contact,
     lies,
     lives,
+    parted,
     picture,
     pulled_off,
     remarks,
@@ -90,7 +91,7 @@ def told(found: Finding[BracketAnswer], say: Language) -> Iterator[Block]:
         if lives(v):
             yield _damage(v, say)
     yield Figures(figures=tuple(figures(of, say)))
-    yield Text(paragraphs=tuple(notes(of, say)))
+    yield Text(paragraphs=(*parted(of, found.checks, say), *notes(of, say)))
 
 
 def _compared(of: BracketAnswer, say: Language) -> Table:

@@ -94,6 +94,7 @@ def check(of: Check) -> dict[str, Any]:
             if of.within
             else {}
         ),
+        **({"settled_by": list(of.settled_by)} if of.settled_by else {}),
     }
 
 

@@ -124,6 +124,8 @@ def place(c: Check | Unanswered, say: Language, *, several: bool = False) -> str
             told.append(
                 say({"warn": "by that it may warn", "fail": "by that it may fail"}[c.may_be])
             )
+        if c.settled_by:
+            told.append(say("`{key}` has one answer for the two", key="; ".join(c.settled_by)))
     where = say.list(*told) if c.part == LINE else say.list(*told, say.part(c.part))
     return f"{c.line}: {where}" if several else where
 

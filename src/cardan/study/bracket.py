@@ -8,7 +8,7 @@ Loads of a state on rigid bearings, and those by hand, it bears quasi-statically
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from cardan.model.bracket import Bracket, BracketCase, Shape, Zone
 from cardan.model.material import Material
 from cardan.quantity.points import Points, every, run
 from cardan.quantity.response import Response, respond
+from cardan.study.bracket_contact import EASED
 from cardan.study.bracket_forced import hung, on_rubber, swept
 from cardan.study.bracket_judge import Case, Feature, Judged, Mounted, judge
 from cardan.study.bracket_life import loads_of, strengths
@@ -40,6 +41,8 @@ SAMPLES = 32
 """Angles of half a turn, in which loads of order 2 come back: a peak is met to 0.5 %."""
 SHAKEN = 2
 """The order that shakes a bracket: the joints'."""
+CONTACT = "bracket.bolts"
+"""What has one answer where the two ways to hold a flange have two."""
 TOP = "highest speed"
 """The occasion at which frequencies are held against an order."""
 
@@ -54,6 +57,8 @@ class BracketAnswer:
     variants: tuple[Judged, ...]
     series: tuple[float, float] | None = None
     """Stiffness of rubber and bracket in series, up and level, N/m, where no other is given."""
+    lasts: bool = False
+    """Whether there is a duty cycle, or a recording, whose life curves alone would tell."""
 
 
 def judged(
@@ -96,6 +101,7 @@ def study(
         top_speed=bench.top_speed,
         variants=tuple(variants),
         series=bench.series,
+        lasts=bool(bench.response.duty or bracket.recordings),
     )
 
 
@@ -166,20 +172,40 @@ def checks_of(of: BracketAnswer, variant: Judged, limits: Sequence[Limit]) -> It
     """Yield a check for each limit and load case, or duty cycle, of one shape of a bracket."""
     for limit in limits:
         for v in _values(of, variant, limit.quantity):
-            yield Check(
+            one = Check(
                 quantity=limit.quantity, line=of.bracket.line, when=v.when, part=v.part,
                 value=v.value, limit=limit, point=v.point, within=v.within,
             )  # fmt: skip
+            yield replace(one, settled_by=(CONTACT,)) if _parted(of, one, v.kinder) else one
+
+
+def _parted(of: BracketAnswer, one: Check, kinder: float) -> bool:
+    """Return whether the two ways to hold the flange part a verdict, of which the worse is told.
+
+    Or leave a life that may fall short more open than contact does. Nowhere where `kinder` is nan.
+    """
+    if np.isnan(kinder):
+        return False
+    if one.limit.grade(kinder) != one.grade:
+        return True
+    if one.quantity != "bracket_life" or one.may_be == "pass":
+        return False
+    slope = strengths(of.bracket)[cast("Zone", one.part.kind)].curve.slope
+    return kinder > EASED**-slope * one.value
 
 
 class _Value(NamedTuple):
-    """Where something is worst, how much it is there, SI, and between what by its error."""
+    """Where something is worst, how much it is there, SI, and between what by its error.
+
+    `kinder` is how much it is with the flange held the kinder way, where contact would say which.
+    """
 
     when: Occasion
     part: Part
     value: float
     point: Point | None = None
     within: tuple[float, float] | None = None
+    kinder: float = np.nan
 
 
 def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Value]:
@@ -194,8 +220,9 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
                 o.case.when, variant.features[known[worst]].part, float(used[worst]), o.case.point,
                 within=(max(float((least - off).max()), 0.0), float((used + off).max())),
             )  # fmt: skip
+    either = of.bracket.bolts is None
     if quantity == "bracket_fatigue_utilisation":
-        yield from _fatigue(variant)
+        yield from _fatigue(variant, either=either)
     if quantity == "bracket_life":
         measured = {one.name for one in of.bracket.recordings}
         # A recording may have the name of a state, whose cases say what they are of it.
@@ -212,6 +239,7 @@ def _values(of: BracketAnswer, variant: Judged, quantity: str) -> Iterator[_Valu
                 yield _Value(
                     endured.when, variant.features[worst].part, endured.at([worst]).hours * hour,
                     within=None if np.isnan(low) else (low, high),
+                    kinder=endured.at(mine).hours_kinder * hour if either else np.nan,
                 )  # fmt: skip
     if quantity == "bracket_slip_utilisation":
         for when, share, point in variant.slips:
@@ -239,8 +267,11 @@ def _by_zone(variant: Judged) -> list[tuple[Zone, list[int]]]:
     return list(zones.items())
 
 
-def _fatigue(variant: Judged) -> Iterator[_Value]:
-    """Yield for each zone the case, and the feature, that comes nearest its fatigue limit."""
+def _fatigue(variant: Judged, *, either: bool) -> Iterator[_Value]:
+    """Yield for each zone the case, and the feature, that comes nearest its fatigue limit.
+
+    With the flange held in `either` of two ways, what the kinder makes of it too.
+    """
     lasting = [o for o in variant.outcomes if not np.isnan(o.used).all()]
     for _, mine in _by_zone(variant):
         if all(np.isnan(o.used[mine]).all() for o in lasting):
@@ -251,7 +282,11 @@ def _fatigue(variant: Judged) -> Iterator[_Value]:
         # Where the error may lie that way, another feature may use more, or another case.
         ends = np.nan_to_num([o.used_within[mine] for o in lasting], posinf=np.inf)
         low, high = ends.max(axis=(0, 1)).tolist()
-        yield _Value(worst.case.when, part, used, worst.case.point, within=(low, high))
+        kinder = max(float(np.nan_to_num(o.used_kinder[mine]).max()) for o in lasting)
+        yield _Value(
+            worst.case.when, part, used, worst.case.point, within=(low, high),
+            kinder=kinder if either else np.nan,
+        )  # fmt: skip
 
 
 def _unanswered(
@@ -261,10 +296,11 @@ def _unanswered(
 
     Where a number has nothing of some places, nothing is approved without them.
     """
+    curves = "bracket.fatigue" if of.lasts else "duty, and bracket.fatigue"
     needs = {
         "bracket_stress_utilisation": ("bracket.material with its yield strength",),
         "bracket_fatigue_utilisation": ("bracket.fatigue",),
-        "bracket_life": ("duty" if of.bracket.fatigue else "duty, and bracket.fatigue",),
+        "bracket_life": ("duty" if of.bracket.fatigue else curves,),
         "bracket_slip_utilisation": ("bracket.bolts",),
         "bracket_resonance": ("speed_rpm",),
     }
@@ -336,10 +372,10 @@ def _by_hand(bracket: Bracket, case: BracketCase, *, standing: float = 0.0) -> F
     """Return the loads (9,) of a case given by hand.
 
     What stands still feels `standing` m/s², which is not counted twice where loads that the
-    case comes on top of have it.
+    case comes on top of have it, nor taken from them by a case that says nothing of it.
     """
     a = np.asarray(case.acceleration)
-    if any(case.acceleration):
+    if a[2]:
         a = a - np.array([0.0, 0.0, standing])
     force = np.asarray(case.force) - bracket.carried_mass * a
     return np.concatenate([force, case.moment, a])

@@ -195,6 +195,8 @@ class Outcome:
     used : (features,)
         That swing at zero mean over the amplitude its zone bears at the knee; nan where none
         is known, or of a load by itself.
+    used_kinder : (features,)
+        The same where the flange is held the way that makes it less; in contact the same.
     used_within : (features, 2)
         The same where its stress is lower, and higher, by its error, and the flange is held the way
         that makes it less, and more.
@@ -230,6 +232,7 @@ class Outcome:
     mean: FloatArray
     amplitude: FloatArray
     used: FloatArray
+    used_kinder: FloatArray
     used_within: FloatArray
     strain: FloatArray
     bolts: FloatArray
@@ -1041,6 +1044,7 @@ def _outcome(
     least, spent = np.full((2, count), np.nan)
     span = np.full((count, 2), np.nan)
     swung_ends, eased = list[FloatArray](), list[FloatArray]()
+    each_used, each_spent = list[FloatArray](), list[FloatArray]()
     ease = 1.0 if case.times is None else EASED
     best: list[tuple[Found, Found, Found]] = []
     peaks: list[_Peak] = []
@@ -1066,6 +1070,7 @@ def _outcome(
         held = way.held_by(passes)
         share, m, a = _swing(way, passes, held, strength, times)
         most = way.highest(share)[:, 0]
+        each_used.append(share[most])
         worse = share[most] * way.has > swung
         swung = np.where(worse, share[most], swung)
         mean, amplitude = np.where(worse, m[most], mean), np.where(worse, a[most], amplitude)
@@ -1081,11 +1086,13 @@ def _outcome(
             eased.append(kind)
             span = np.fmax(span, np.stack([low, high], axis=-1))
             spent = np.fmax(spent, done)
+            each_spent.append(done)
+    tight = case.times is not None
     used_within, known = np.full((count, 2), np.nan), _known(ways[0].kinds, strength)
     if swung_ends:
         least_used = [kind for kind, *_ in swung_ends]
         most_used = [np.where(w.has, e[-1], 0.0) for w, e in zip(ways, swung_ends, strict=True)]
-        used_within[:, 0] = _kinder(ways, least_used, tight=case.times is not None)
+        used_within[:, 0] = _kinder(ways, least_used, tight=tight)
         used_within[:, 1] = np.max(most_used, axis=0)
         used_within *= known[:, None]
     sliding = ways[0]
@@ -1099,7 +1106,8 @@ def _outcome(
         life = Endured(
             when=case.when, spots=known * spent, gauges=gauges,
             turns=case.turns, duration=case.duration, span=known[:, None] * span,
-            eased=known * _kinder(ways, eased, tight=case.times is not None),
+            eased=known * _kinder(ways, eased, tight=tight),
+            kinder=known * _kinder(ways, each_spent, tight=tight),
         )  # fmt: skip
     found = Outcome(
         case=case,
@@ -1113,6 +1121,11 @@ def _outcome(
         mean=mean,
         amplitude=amplitude,
         used=known * swung if case.repeats else np.full(count, np.nan),
+        used_kinder=(
+            known * _kinder(ways, each_used, tight=tight)
+            if case.repeats
+            else np.full(count, np.nan)
+        ),
         used_within=used_within,
         strain=np.stack([strain.min(axis=-1), strain.max(axis=-1)], axis=-1),
         bolts=np.linalg.norm(bolts, axis=-1).max(axis=-1),
@@ -1205,12 +1218,14 @@ def _duty(
         if not _passes(ways[0], parts):
             continue
         worst, span = np.zeros(ways[0].count), np.zeros((ways[0].count, 2))
-        tight, eased = any(case.times is not None for _, case in parts), list[FloatArray]()
+        tight = any(case.times is not None for _, case in parts)
+        eased, each = list[FloatArray](), list[FloatArray]()
         for way in ways:
             passes = _passes(way, parts)
             held = [way.held_by(p.loads) for p in passes]
             top, done = _worn(way, passes, held, strength)
             worst = np.maximum(worst, done)
+            each.append(done)
             kind, low, high = _span(way, top, passes, strength, error, EASED if tight else 1.0)
             eased.append(kind)
             span = np.maximum(span, np.stack([low, high], axis=-1))
@@ -1225,6 +1240,7 @@ def _duty(
         spent.append(replace(
             mixed(when, gauges), spots=known * worst, span=known[:, None] * span,
             eased=known * _kinder(ways, eased, tight=tight),
+            kinder=known * _kinder(ways, each, tight=tight),
         ))  # fmt: skip
     if not spent:
         return spent, np.zeros(0), []
@@ -1296,7 +1312,8 @@ def _sorted(o: Outcome, order: IntArray) -> Outcome:
     """Return an outcome with its features in order."""
     return replace(
         o, hot=o.hot[order], error=o.error[order], mean=o.mean[order],
-        amplitude=o.amplitude[order], used=o.used[order], used_within=o.used_within[order],
+        amplitude=o.amplitude[order], used=o.used[order], used_kinder=o.used_kinder[order],
+        used_within=o.used_within[order],
         least=o.least[order],
         times=None if o.times is None else o.times[order],
         life=o.life.at(order) if o.life else None,

@@ -188,6 +188,8 @@ class Endured:
         nobody estimated that.
     eased : (k,)
         The same where it is lower and the flange is held the kinder way.
+    kinder : (k,)
+        The same of stress as told, and the flange held the kinder way; in contact as told.
     """
 
     when: Occasion
@@ -197,12 +199,15 @@ class Endured:
     duration: float
     span: FloatArray | None = None
     eased: FloatArray | None = None
+    kinder: FloatArray | None = None
 
     def at(self, places: ArrayLike) -> "Endured":
         """Return the same of some of its hot spots (places,), in their order."""
         picked = np.asarray(places)
-        span, eased = (None if v is None else v[picked] for v in (self.span, self.eased))
-        return replace(self, spots=self.spots[picked], span=span, eased=eased)
+        span, eased, kinder = (
+            None if v is None else v[picked] for v in (self.span, self.eased, self.kinder)
+        )
+        return replace(self, spots=self.spots[picked], span=span, eased=eased, kinder=kinder)
 
     @property
     def worst(self) -> float:
@@ -235,6 +240,11 @@ class Endured:
             return math.nan, math.nan
         kind = self.span[:, 0] if self.eased is None else self.eased
         return self._hours(self.span[:, 1]), self._hours(kind)
+
+    @property
+    def hours_kinder(self) -> float:
+        """Hours to failure with the flange held the kinder way; nan where not known."""
+        return math.nan if self.kinder is None else self._hours(self.kinder)
 
     @property
     def hours_meshed(self) -> float:
