@@ -1,4 +1,4 @@
-"""The check called the bearing's forces harmless; the bracket broke where the line crawls.
+"""Drawn for eight cases, the bracket broke in a ninth: where the line crawls.
 
 A refuse collector 6x2 cracks the bracket of its second centre bearing. The dissertation this
 project started from (Souza, UNESP 2014) followed such a failure through eight load cases, a
@@ -118,10 +118,13 @@ print(*response(original), sep="\n")  # foretold: without any recording
 
 # ------------------------------------------------------------------ figures 54 to 61, one picture
 
-figure, grid = plt.subplots(3, 2, figsize=(12, 15), layout="constrained")
-(seen, loads), (extremes, gauges), (limits, over) = grid
+figure, axes = plt.subplot_mosaic(
+    [["seen", "seen"], ["loads", "extremes"], ["gauges", "limits"], ["over", "over"]],
+    figsize=(12, 20), height_ratios=[1.2, 1, 1, 0.8], layout="constrained",
+)  # fmt: skip
+seen, loads, extremes, gauges, limits, over = axes.values()
 drawn = BytesIO()
-picture(answer, drawn)
+picture(answer, drawn, under=of(original, RECORDED).case)
 drawn.seek(0)
 seen.imshow(plt.imread(drawn))
 seen.set_axis_off()

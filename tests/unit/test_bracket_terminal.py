@@ -161,7 +161,7 @@ def test_what_the_brackets_terminal_says():
         "Two-piece line: INCOMPLETE",
         "Two-piece line: bracket of line main, bearing 1",
         "stiffness at the bearing along x, N/mm",
-        "original: order 2 meets 60.25 Hz at 1808 rpm.",
+        "original: loaded, without the line, order 2 meets 60.25 Hz at 1808 rpm.",
         "gvw: combined",
         "original, where a crack may start",
         "0  50  20",

@@ -30,7 +30,7 @@ from cardan.study.approval import Approval
 from cardan.study.bracket import CONTACT, BracketAnswer
 from cardan.study.bracket_contact import APART, EASED, InBolts
 from cardan.study.bracket_forced import FIRM, Forced
-from cardan.study.bracket_judge import Found, Judged, Outcome
+from cardan.study.bracket_judge import Case, Found, Judged, Outcome
 from cardan.study.bracket_life import Endured, strengths
 from cardan.study.finding import BRACKET
 
@@ -143,13 +143,14 @@ def crossed(v: Judged, say: Language) -> Iterator[str]:
     met = [c for c in v.crossings if c.in_range]
     if not met:
         yield say(
-            "{name}: no order 1, 2 or 4 meets a natural frequency within the speed range.",
+            "{name}: loaded, without the line, no order 1, 2 or 4 meets a natural frequency within the "
+            "speed range.",
             name=say(v.name),
         )
     for order in dict.fromkeys(c.order for c in met):
         mine = [c for c in met if c.order == order]
         yield say(
-            "{name}: order {order} meets {frequencies} Hz at {speeds} rpm.",
+            "{name}: loaded, without the line, order {order} meets {frequencies} Hz at {speeds} rpm.",
             name=say(v.name), order=order,
             frequencies=say.list(*(say.number(c.frequency) for c in mine)),
             speeds=say.list(*(say.number(c.speed / rpm) for c in mine)),
@@ -926,9 +927,10 @@ def _array(name: str, values: npt.NDArray[Any], *, components: int = 1) -> str:
 
 
 def picture(
-    of: BracketAnswer, path: Path | BinaryIO, *, say: Language = EN, over: str = ""
-) -> None:
-    """Draw each variant under the original's worst case, coloured by stress, into a PNG.
+    of: BracketAnswer, path: Path | BinaryIO, *, say: Language = EN, over: str = "",
+    under: Case | None = None,
+) -> None:  # fmt: skip
+    """Draw each variant `under` a case, else the original's worst, by its stress, into a PNG.
 
     Where a duty cycle is known, the damage it does at every place of the surface: below, or beside
     it where one variant is all there is, which leaves no page of a document half empty.
@@ -951,7 +953,7 @@ def picture(
         msg = 'a picture needs matplotlib: pip install "cardan[bracket]"'
         raise NotInstalled(msg) from error
 
-    case = of.variants[0].worst.case.when
+    case = of.variants[0].worst.case.when if under is None else under.when
     shown = [next(o for o in v.outcomes if o.case.when == case) for v in of.variants]
     worn_out = all(len(v.damage) and v.damage.max() > 0 for v in of.variants)
     rows, columns = (2 if worn_out else 1), len(of.variants)
@@ -1045,4 +1047,10 @@ def _mark(axis: Any, name: str, point: FloatArray, colour: str) -> None:
     _, right, up = _seen()
     x, y = point @ right / mm, point @ up / mm
     axis.plot(x, y, "o", ms=4, mfc=colour, mec="k")
-    axis.annotate(name, (x, y), xytext=(4, 4), textcoords="offset points", fontsize=8)
+    # Dark where it is blue, and light beside the part.
+    from matplotlib.patheffects import withStroke
+
+    axis.annotate(
+        name, (x, y), xytext=(4, 4), textcoords="offset points", fontsize=8,
+        path_effects=[withStroke(linewidth=2, foreground="w")],
+    )  # fmt: skip

@@ -352,18 +352,20 @@ def _haigh(of: BracketAnswer, say: Language) -> Figure:
         x = np.array([o.mean[k] for o, k in zip(lasting, at, strict=True)]) / MPa
         y = np.array([o.amplitude[k] for o, k in zip(lasting, at, strict=True)]) / MPa
         series.append(Series(name=say(zone), x=x, y=y, joined=False, points=True))
-    zones: dict[Zone, None] = dict.fromkeys(f.zone for f in v.features if f.zone in found)
-    for zone in zones:
-        x = np.linspace(low, high, 41)
+    x = np.linspace(low, high, 41)
+    borne: dict[tuple[float, ...], list[str]] = {}
+    for zone in dict.fromkeys(f.zone for f in v.features if f.zone in found):
         # The amplitude that comes to the knee's: halving finds it, for corrections grow with it.
         least, most = np.zeros_like(x), np.full_like(x, 4 * found[zone].curve.amplitude)
         for _ in range(40):
             middle = (least + most) / 2
             over = found[zone].used(middle, x * MPa) > 1
             least, most = np.where(over, least, middle), np.where(over, middle, most)
-        series.append(
-            Series(name=say("{zone}, borne at the knee", zone=say(zone)), x=x, y=least / MPa)
-        )
+        # Of zones that bear the same one line would hide the other.
+        borne.setdefault(tuple((least / MPa).round(6)), []).append(say(zone))
+    for y, zones in borne.items():
+        name = say("{zone}, borne at the knee", zone=", ".join(zones))
+        series.append(Series(name=name, x=x, y=np.array(y)))
     title = say("Haigh's diagram: amplitude against mean, each zone in each case")
     return plot(
         say, title=title, alt=title, series=series, x_label=say("mean stress [MPa]"),
@@ -379,8 +381,9 @@ def notes(of: BracketAnswer, say: Language) -> Iterator[str]:
         "thicknesses away. ± is the estimated error of the refined mesh."
     )
     yield say(
-        "The flange is held in two ways that have the truth between them, sliding under its bolts "
-        "and clamped as one with the frame; of each feature the worse is told."
+        "The flange is held in two ways that have its stiffness between them, sliding under its "
+        "bolts and clamped as one with the frame; of each feature the worse is told. In contact "
+        "with the frame (`bolts`) stress may come to more than by either."
     )
     yield lies(say)
     for note in (in_contact, pulled_off, bent_far):
