@@ -709,6 +709,7 @@ def _calm(
     rows = _real(columns)
     gram = rows @ rows.T
     wave = _paired(_explained(gram, rows @ y, ridge=RIDGE)[0]) @ columns
+    calm, out = y, np.zeros(y.size, bool)
     for _ in range(2):
         rest = y - wave.real
         out = blowing(rest, wave.real, rate) if blown is None else blown

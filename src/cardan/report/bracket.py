@@ -143,14 +143,15 @@ def crossed(v: Judged, say: Language) -> Iterator[str]:
     met = [c for c in v.crossings if c.in_range]
     if not met:
         yield say(
-            "{name}: loaded, without the line, no order 1, 2 or 4 meets a natural frequency within the "
-            "speed range.",
+            "{name}: loaded, without the line, no order 1, 2 or 4 meets a natural frequency within "
+            "the speed range.",
             name=say(v.name),
         )
     for order in dict.fromkeys(c.order for c in met):
         mine = [c for c in met if c.order == order]
         yield say(
-            "{name}: loaded, without the line, order {order} meets {frequencies} Hz at {speeds} rpm.",
+            "{name}: loaded, without the line, order {order} meets {frequencies} Hz at {speeds} "
+            "rpm.",
             name=say(v.name), order=order,
             frequencies=say.list(*(say.number(c.frequency) for c in mine)),
             speeds=say.list(*(say.number(c.speed / rpm) for c in mine)),

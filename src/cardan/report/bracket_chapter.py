@@ -354,7 +354,8 @@ def _haigh(of: BracketAnswer, say: Language) -> Figure:
         series.append(Series(name=say(zone), x=x, y=y, joined=False, points=True))
     x = np.linspace(low, high, 41)
     borne: dict[tuple[float, ...], list[str]] = {}
-    for zone in dict.fromkeys(f.zone for f in v.features if f.zone in found):
+    zones: dict[Zone, None] = dict.fromkeys(f.zone for f in v.features if f.zone in found)
+    for zone in zones:
         # The amplitude that comes to the knee's: halving finds it, for corrections grow with it.
         least, most = np.zeros_like(x), np.full_like(x, 4 * found[zone].curve.amplitude)
         for _ in range(40):
@@ -363,8 +364,8 @@ def _haigh(of: BracketAnswer, say: Language) -> Figure:
             least, most = np.where(over, least, middle), np.where(over, middle, most)
         # Of zones that bear the same one line would hide the other.
         borne.setdefault(tuple((least / MPa).round(6)), []).append(say(zone))
-    for y, zones in borne.items():
-        name = say("{zone}, borne at the knee", zone=", ".join(zones))
+    for y, names in borne.items():
+        name = say("{zone}, borne at the knee", zone=", ".join(names))
         series.append(Series(name=name, x=x, y=np.array(y)))
     title = say("Haigh's diagram: amplitude against mean, each zone in each case")
     return plot(

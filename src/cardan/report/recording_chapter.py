@@ -326,16 +326,19 @@ def order_cut(
 
 def _cut(title: str, shown: Sequence[_Cut], tilts: str, say: Language) -> Iterator[Figure]:
     """Yield an amplitude and a phase, each series in dots."""
-    dots = {"joined": False, "points": True}
+
+    def dots(name: str, x: FloatArray, y: FloatArray) -> Series:
+        return Series(name=name, x=x, y=y, joined=False, points=True)
+
     yield plot(
         say, title=say("{order}: amplitude", order=title),
-        series=[Series(name=n, x=x, y=np.abs(z) / MPa, **dots) for n, x, z, _ in shown],
+        series=[dots(name, x, np.abs(z) / MPa) for name, x, z, _ in shown],
         alt=say("Amplitude over shaft speed, window by window."),
         x_label=say("shaft speed, rpm"), y_label=say("amplitude, MPa"), zero=True,
     )  # fmt: skip
     yield plot(
         say, title=say("{order}: phase", order=title),
-        series=[Series(name=n, x=x, y=np.angle(z, deg=True), **dots) for n, x, _, z in shown],
+        series=[dots(name, x, np.angle(z, deg=True)) for name, x, _, z in shown],
         alt=say("Phase over shaft speed, window by window."),
         x_label=say("shaft speed, rpm"), y_label=say("phase against the shaft, deg"),
         y=(-190.0, 190.0),

@@ -872,9 +872,9 @@ class Campaign:
                 raise DesignError(msg)
             return partial(getattr(correction, name), ultimate=ultimate)
         if name == "fkm":
-            return partial(correction.fkm, sensitivity=self.sensitivity)
+            return partial(correction.fkm, sensitivity=self.sensitivity or 0.0)
         if name == "walker":
-            return partial(correction.walker, exponent=self.sensitivity)
+            return partial(correction.walker, exponent=self.sensitivity or 0.0)
         return correction.swt if name == "swt" else correction.uncorrected
 
 
