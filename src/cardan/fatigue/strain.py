@@ -17,6 +17,8 @@ DELTA = (0.0, 60 * deg, 120 * deg)
 
 SHEARED = 0.3
 """Of the largest part of a stress, below which its sum of normal stresses is no sign."""
+NO_LOAD = 2 * GPa
+"""Von Mises' stress that no metal of a driveline bears: -9999 um/m is more."""
 
 Measure: TypeAlias = Callable[["PlaneStress"], FloatArray]
 """One number for a plane stress: `signed_mises`, `largest`, or a plane's normal stress."""
@@ -124,19 +126,18 @@ def signed_mises(stress: PlaneStress, *, along: FloatArray | None = None) -> Flo
 def swinging(stress: PlaneStress) -> FloatArray:
     """Which way a stress (n,) mostly swings: (3,) times its x, y and xy that is, with its sign.
 
-    The first principal component about zero, as long as von Mises' stress is; the loudest hundredth
-    counts as loud as the rest, for what a logger lost is no load. Tension is positive, and
-    of shear the way it mostly stands.
+    The first principal component about zero, as long as von Mises' stress is, without what a
+    logger wrote for no value, and the loudest thousandth as loud as the rest. Tension is positive,
+    and of shear the way it mostly stands.
     """
-    parts = np.stack([stress.x, stress.y, stress.xy])
-    parts = parts[:, np.isfinite(parts).all(0)]
+    parts = np.stack([stress.x, stress.y, stress.xy])[:, stress.mises < NO_LOAD]
     # Rows of u = R σ with |u| von Mises' stress.
     root = np.array([[1.0, -0.5, 0.0], [0.0, np.sqrt(0.75), 0.0], [0.0, 0.0, np.sqrt(3.0)]])
     u = root @ parts
     size = np.sqrt((u**2).sum(0))
     if not size.any():
         return np.array([1.0, 1.0, 0.0])
-    u = u * np.minimum(1.0, np.quantile(size, 0.99) / np.maximum(size, 1e-300))
+    u = u * np.minimum(1.0, np.quantile(size, 0.999) / np.maximum(size, 1e-300))
     way = np.linalg.eigh(u @ u.T)[1][:, -1] @ root
     tension = float(way[0] + way[1])
     sheared = abs(tension) < SHEARED * float(np.abs(way).max())

@@ -814,8 +814,9 @@ class Campaign:
             units = np.array([_unit(recording, c, given, STRAIN) for c in channels])[:, None]
             angles, modulus = _KINDS[self.rosette_kind], self.modulus_GPa * GPa
             read, _ = _looked_at(recording, channels)
-            if self.zero != "none":
-                read -= np.nanmedian(read, axis=1, keepdims=True)
+            read = read[:, np.isfinite(read).all(0)]
+            if self.zero != "none" and read.size:
+                read = read - np.median(read, axis=1, keepdims=True)
             along = strain.swinging(strain.rosette(read * units, angles=angles, modulus=modulus))
             found += [
                 strain.rosette_gauge(
