@@ -607,7 +607,7 @@ FATIGUE = (
     mutant("fatigue/strain.py", "if along is None else along", "", "little beside a shear turns its sign",
            "verify/test_strain.py::test_a_sheared_stress_has_the_sign_of_its_shear"),
     mutant("fatigue/strain.py", "[:, stress.mises < NO_LOAD]", "", "what a logger wrote for no value is a load",
-           "verify/test_strain.py::test_a_pull_and_a_push_keep_their_signs"),
+           "verify/test_strain.py::test_a_sheared_stress_has_the_sign_of_its_shear"),
     mutant("study/campaign.py", "> fastest:", "> 1e9:", "a tacho's pulses fold unseen",
            "verify/test_cause.py::test_nor_one_whose_pulses_fold_as_it_turns"),
     mutant("fatigue/locked.py", "limited(rest, rate), rows[:, out]", "limited(rest, rate), rows[:, :0]", "what a blow rings is a response",

@@ -107,7 +107,11 @@ def test_a_sheared_stress_has_the_sign_of_its_shear(torque, axial, low, high):
     """
     w, noise = np.arange(40_000) / 50, np.random.default_rng(0).normal(size=(2, 40_000))
     stress = PlaneStress(axial * MPa + 0.1 * MPa * noise[0], 0.1 * MPa * noise[1], torque(w) * MPa)
-    found = signed_mises(stress, along=swinging(stress)) / MPa
+    # A logger's -9999 um/m in each grid, one sample in twenty.
+    lost = np.arange(40_000) % 20 == 0
+    spoiled = PlaneStress(*(np.where(lost, v, x) for v, x in
+                            ((-2943 * MPa, stress.x), (-2943 * MPa, stress.y), (0, stress.xy))))  # fmt: skip
+    found = signed_mises(stress, along=swinging(spoiled)) / MPa
     assert found.min() == pytest.approx(low, abs=1)
     assert found.max() == pytest.approx(high, abs=1)
     # From one sample to the next it turns its sign where it is small.
@@ -115,17 +119,14 @@ def test_a_sheared_stress_has_the_sign_of_its_shear(torque, axial, low, high):
 
 
 def test_a_pull_and_a_push_keep_their_signs():
-    """A bar: whichever way it stands in the rosette, and whatever a logger wrote."""
+    """A bar, whichever way it stands in the rosette."""
     w = np.arange(5000) / 50
     for angle in np.radians([0, 30, 77, 135]):
         c, s = np.cos(angle), np.sin(angle)
         size = (-80 + 30 * np.sin(w)) * MPa
         stress = PlaneStress(size * c * c, size * s * s, size * s * c)
-        # A logger's -9999 um/m in each grid, half a minute of it.
-        stress.x[::20], stress.y[::20], stress.xy[::20] = -2943 * MPa, -2943 * MPa, 0.0
-        kept = np.arange(5000) % 20 > 0
         found = signed_mises(stress, along=swinging(stress))
-        np.testing.assert_allclose(found[kept], size[kept], rtol=1e-9)
+        np.testing.assert_allclose(found, size, rtol=1e-9)
 
 
 def test_grids_that_see_the_same_are_refused():
