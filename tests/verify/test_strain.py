@@ -109,8 +109,8 @@ def test_a_sheared_stress_has_the_sign_of_its_shear(torque, axial, low, high):
     stress = PlaneStress(axial * MPa + 0.1 * MPa * noise[0], 0.1 * MPa * noise[1], torque(w) * MPa)
     # A logger's -9999 um/m in each grid, one sample in twenty.
     lost = np.arange(40_000) % 20 == 0
-    spoiled = PlaneStress(*(np.where(lost, v, x) for v, x in
-                            ((-2943 * MPa, stress.x), (-2943 * MPa, stress.y), (0, stress.xy))))  # fmt: skip
+    each = (-2943 * MPa, stress.x), (-2943 * MPa, stress.y), (0.0, stress.xy)
+    spoiled = PlaneStress(*(np.where(lost, none, x) for none, x in each))
     found = signed_mises(stress, along=swinging(spoiled)) / MPa
     assert found.min() == pytest.approx(low, abs=1)
     assert found.max() == pytest.approx(high, abs=1)

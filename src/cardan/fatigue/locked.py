@@ -32,6 +32,10 @@ TURNS = 2.0
 """Turns that are taken together where ratios are looked for: 5 % off turns by 0.2 of a cycle."""
 BAND = 2.5
 """Width in frequency over which a response is taken as one, Hz."""
+NARROW = 0.04
+"""Width of bands that tell a lag from a mode, of their frequency."""
+ALONE = 0.01
+"""Of a response, that one mode may leave: else another is sought beside it."""
 BLOCK = 6.0
 """Seconds over which the response may wander: geometry rides with the springs."""
 RINGS = 0.25
@@ -270,35 +274,6 @@ def _one_response(
     return turned / (4 * np.pi), line, power, by_band(middle * weight) / power
 
 
-def punctual(option: Aligned, *, most: float) -> Aligned:
-    """Return the option with the lag by which its response is most like one mode's, and how surely.
-
-    Over a band of some hertz a lag is a phase, so bands alone hardly know it; over all of
-    them it is a phase that runs on with frequency, which no oscillator's does. Below a mode or
-    over a few hertz the two look alike: then the interval is wide, and of what it holds no lag
-    at all is taken for likeliest.
-    """
-    f, h, w = option.frequency, option.response, np.sqrt(option.weight)
-    if f.size < 5:
-        return replace(option, lags=(-most, most))
-    lags = np.round(option.lag + np.arange(-0.1, 0.1001, 0.0025), 6)
-    lags = lags[np.abs(lags) <= most + 1e-9]
-    modes = np.geomspace(max(f.min() * 0.7, 3.0), f.max() * 1.3, 60)
-    turned = (h * w)[:, None] * np.exp(2j * np.pi * np.outer(f, lags - option.lag))
-    r, damping = f / modes[:, None], np.array([0.012, 0.025, 0.05, 0.1, 0.2])[:, None, None]
-    mode = 1 / (1 - r**2 + 2j * damping * r)
-    plain = np.broadcast_to([np.ones_like(f), (f / 80) ** 2], (*mode.shape[:2], 2, f.size))
-    energy = _of_rows(np.concatenate([plain, mode[..., None, :]], -2) * w, turned)
-    left = float((np.abs(h * w) ** 2).sum()) - energy.max((0, 1))
-    # Of two numbers a band, three responses, a mode and a lag: what chance leaves, 9 times in 10.
-    free = max(2 * f.size - 9, 1)
-    chance = 1 + 2.7 * (1 + 4 / free) / free
-    likely = lags[left <= chance * left.min()]
-    low, high = max(float(likely.min()) - LATE, -most), min(float(likely.max()) + LATE, most)
-    best = 0.0 if low <= 0 <= high else float(lags[left.argmin()])
-    return replace(option, lag=best, lags=(low, high))
-
-
 def _of_rows(rows: np.ndarray, z: ComplexArray) -> FloatArray:
     """Energy (..., k) of each z (n, k) that each choice of rows (..., columns, n) explains."""
     back = np.conj(rows)
@@ -341,6 +316,72 @@ class Scene:
         forces = self.inputs(order)
         made = [*forces, *(_through(u, pole, self.rate) for pole in poles for u in forces)]
         return np.stack([levelled(u, self.rate) for u in made])
+
+
+def punctual(option: Aligned, scene: Scene, y: FloatArray, *, most: float) -> Aligned:
+    """Return the option with the lag by which its response is most like one mode's, and how surely.
+
+    Over a band of some hertz a lag is a phase, so bands alone hardly know it; over all of
+    them it is a phase that runs on with frequency, which no oscillator's does. Below a mode or
+    over a few hertz the two look alike: then the interval is wide, and of what it holds no lag
+    at all is taken for likeliest. `scene` is what turns so, y (n,) the stress.
+    """
+    f, h, w = _by_fine_bands(scene, y)
+    if f.size < 5:
+        return replace(option, lags=(-most, most))
+    lags = np.round(option.lag + np.arange(-0.1, 0.1001, 0.0025), 6)
+    lags = lags[np.abs(lags) <= most + 1e-9]
+    turned = (h * w)[:, None] * np.exp(2j * np.pi * np.outer(f, lags - option.lag))
+    whole = float((np.abs(h * w) ** 2).sum())
+    modes = np.geomspace(max(f.min() * 0.7, 3.0), f.max() * 1.3, 60)
+    one = _modes(f, modes, (0.012, 0.025, 0.05, 0.1, 0.2))
+    plain = np.stack([np.ones_like(f), (f / 80) ** 2]) * np.ones((len(one), 1, 1))
+    rows = np.concatenate([plain, one[:, None]], 1) * w
+    energy = _of_rows(rows, turned)
+    left = whole - energy.max(0)
+    if left.min() > ALONE * whole:
+        # Another beside it: of each lag's best one, and fewer to choose from.
+        other = _modes(f, modes[::3], (0.02, 0.06, 0.15))
+        first = np.unique(energy.argmax(0))
+        pairs = np.concatenate(
+            [np.repeat(rows[first], len(other), 0), np.tile(other * w, (len(first), 1))[:, None]], 1
+        )
+        energy, rows = _of_rows(pairs, turned), pairs
+        left = whole - energy.max(0)
+    k = int(left.argmin())
+    own = rows[int(energy[:, k].argmax())]
+    rest = turned[:, k] - np.linalg.lstsq(own.T, turned[:, k], rcond=None)[0] @ own
+    # Of two numbers a band, three responses, a mode and a lag: what chance leaves, 9 times in 10.
+    # What other modes leave goes on from band to band, and many then say what one does.
+    alike = max(float((rest[1:] @ np.conj(rest[:-1])).real / (rest @ np.conj(rest)).real), 0.0)
+    free = max((2 * f.size - 9) * (1 - alike) / (1 + alike), 1.0)
+    chance = 1 + 2.7 * (1 + 4 / free) / free
+    likely = lags[left <= chance * left.min()]
+    low, high = max(float(likely.min()) - LATE, -most), min(float(likely.max()) + LATE, most)
+    best = 0.0 if low <= 0 <= high else float(lags[left.argmin()])
+    return replace(option, lag=best, lags=(low, high))
+
+
+def _modes(f: FloatArray, modes: FloatArray, dampings: Sequence[float]) -> ComplexArray:
+    """Response (modes dampings, n) of each mode at frequencies f (n,), both Hz."""
+    r, damping = f / modes[:, None], np.array(dampings)[:, None, None]
+    return (1 / (1 - r**2 + 2j * damping * r)).reshape(-1, f.size)
+
+
+def _by_fine_bands(scene: Scene, y: FloatArray) -> tuple[FloatArray, ComplexArray, FloatArray]:
+    """Return frequencies Hz of bands, an order's response in each, and the weight of that.
+
+    As narrow as a lightly damped mode is wide: over a wider one its phase has no mean.
+    """
+    f = 2 * scene.speed
+    driven = f > SLOWEST
+    band = (np.log(f[driven] / SLOWEST) / NARROW).astype(np.int64)
+    met = (y * scene.torque * wave(-2 * scene.turns))[driven]
+    power = np.bincount(band, scene.torque[driven] ** 2)
+    busy = power > 1e-3 * power.sum()
+    line = (np.bincount(band, met.real) + 1j * np.bincount(band, met.imag))[busy]
+    middle = np.bincount(band, f[driven])[busy] / np.bincount(band)[busy]
+    return middle, line / power[busy], np.sqrt(power[busy])
 
 
 def levelled(x: np.ndarray, rate: float) -> np.ndarray:

@@ -242,10 +242,14 @@ class _Case:
             option.ratio * angle.rotation.speed(shifted), self.load, self.rate, stretch,
         )  # fmt: skip
 
+    def late(self, option: Aligned, angle: Angle | None = None) -> Aligned:
+        """Return an option with the lag that its response tells."""
+        return punctual(option, self.scene(option, angle), self.quiet, most=self.angle.lag)
+
     @cached_property
     def first(self) -> Aligned:
         """Return the ratio and lag that explain most."""
-        return punctual(self.options[0], most=self.angle.lag)
+        return self.late(self.options[0])
 
     @cached_property
     def best(self) -> Scene:
@@ -320,7 +324,7 @@ class _Case:
         for times, doubt in ((2.0, DOUBLED), (0.5, HALVED)):
             if found := self.other(times):
                 asked = replace(self.angle, rotation=self.angle.rotation.geared(times))
-                theirs = punctual(found, most=self.angle.lag)
+                theirs = self.late(found, asked)
                 scene = self.scene(theirs, asked)
                 # What turns once a turn with the speed's square is unbalance, seen roughly first.
                 by_torque, by_speed = by_bands(scene, self.y, 2)

@@ -38,8 +38,6 @@ DOTS = 1200
 """Windows of an order cut that are drawn, at most."""
 _Cut: TypeAlias = tuple[str, FloatArray, ComplexArray, ComplexArray]
 """Name, speeds in rpm, and of an order what has an amplitude and what has a phase, (n,) Pa."""
-TACHO = 0.002
-"""Width of a lag's interval that no phase shows, s: a tacho's, which counts turns as they come."""
 
 
 def chapters(of: Mix, say: Language, *, short: bool = False) -> Iterator[Chapter]:
@@ -95,7 +93,8 @@ def chapter(of: Heard, say: Language, *, short: bool = False) -> Iterator[Block]
         if of.pictures.cuts is not None:
             cuts, names = of.pictures.cuts, of.pictures.gauges
             found, surest = of.identification, of.causes and of.causes.surest
-            late = surest.lags if surest else None
+            # A tacho counts turns as they come.
+            late = surest.lags if surest and not of.campaign.tacho else None
             for order in (2.0,) if short else (2.0, 1.0, 4.0):
                 figures = order_cut(cuts, names, order, say, found=found, late=late)
                 yield Figures(figures=tuple(figures))
@@ -348,7 +347,7 @@ def _cut(title: str, shown: Sequence[_Cut], tilts: str, say: Language) -> Iterat
 
 def tilting(late: tuple[float, float] | None, say: Language) -> str:
     """Return what a lag between `late`, s, does to a phase, as a sentence more; none if nothing."""
-    if late is None or not late[1] - late[0] > TACHO:
+    if late is None:
         return ""
     low, high = (say.short(1e3 * at, 2) for at in late)
     return " " + say(
