@@ -333,16 +333,16 @@ def punctual(option: Aligned, scene: Scene, y: FloatArray, *, most: float) -> Al
     lags = lags[np.abs(lags) <= most + 1e-9]
     turned = (h * w)[:, None] * np.exp(2j * np.pi * np.outer(f, lags - option.lag))
     whole = float((np.abs(h * w) ** 2).sum())
-    modes = np.geomspace(max(f.min() * 0.7, 3.0), f.max() * 1.3, 60)
+    modes = np.geomspace(max(f.min() * 0.7, 3.0), f.max() * 1.3, 42)
     one = _modes(f, modes, (0.012, 0.025, 0.05, 0.1, 0.2))
     plain = np.stack([np.ones_like(f), (f / 80) ** 2]) * np.ones((len(one), 1, 1))
     rows = np.concatenate([plain, one[:, None]], 1) * w
     energy = _of_rows(rows, turned)
     left = whole - energy.max(0)
     if left.min() > ALONE * whole:
-        # Another beside it: of each lag's best one, and fewer to choose from.
+        # Another beside it: of some lags' best one, and fewer to choose from.
         other = _modes(f, modes[::3], (0.02, 0.06, 0.15))
-        first = np.unique(energy.argmax(0))
+        first = np.unique(np.append(energy[:, ::8].argmax(0), energy[:, left.argmin()].argmax()))
         pairs = np.concatenate(
             [np.repeat(rows[first], len(other), 0), np.tile(other * w, (len(first), 1))[:, None]], 1
         )
@@ -728,7 +728,7 @@ def order_line(scene: Scene, y: FloatArray, order: int, *, most: int) -> Line:
     poles = _searched(slow, slow.met(y), most=most, within=within)
     columns = scene.columns(order, poles)
     wave, calm, blown = _calm(columns, y, scene.rate)
-    if poles and blown.any():
+    if blown.any() and _of_blows(columns, len(poles), y, ~blown):
         # No mode's answer is what it leaves: modes are looked for once more, without the blows.
         still, _, _ = _calm(scene.columns(order), y, scene.rate, blown)
         fine = np.where(blown, still.real, y)
@@ -737,6 +737,14 @@ def order_line(scene: Scene, y: FloatArray, order: int, *, most: int) -> Line:
         wave, calm, _ = _calm(columns, y, scene.rate, blown)
     stretch = scene.stretch[: slow.speed.size * slow.every : slow.every]
     return Line(order, wave, columns, poles, calm, slow, stretch, scene.rate)
+
+
+def _of_blows(columns: ComplexArray, poles: int, y: FloatArray, kept: BoolArray) -> bool:
+    """Return whether a mode of some among the columns (k, n) adds too little where none blows."""
+    rows, forces = columns[:, kept], len(columns) // (1 + poles)
+    whole = solved(rows, y[kept])[1]
+    without = (np.delete(rows, slice(k, k + forces), 0) for k in range(forces, len(rows), forces))
+    return any(whole - solved(some, y[kept])[1] < POLE * whole for some in without)
 
 
 def _calm(
