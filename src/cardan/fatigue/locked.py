@@ -338,7 +338,7 @@ def punctual(option: Aligned, scene: Scene, y: FloatArray, *, most: float) -> Al
     plain = np.stack([np.ones_like(f), (f / 80) ** 2]) * np.ones((len(one), 1, 1))
     rows = np.concatenate([plain, one[:, None]], 1) * w
     energy = _of_rows(rows, turned)
-    left = whole - energy.max(0)
+    left = np.maximum(whole - energy.max(0), 0.0)
     if left.min() > ALONE * whole:
         # Another beside it: of some lags' best one, and fewer to choose from.
         other = _modes(f, modes[::3], (0.02, 0.06, 0.15))
@@ -347,17 +347,21 @@ def punctual(option: Aligned, scene: Scene, y: FloatArray, *, most: float) -> Al
             [np.repeat(rows[first], len(other), 0), np.tile(other * w, (len(first), 1))[:, None]], 1
         )
         energy, rows = _of_rows(pairs, turned), pairs
-        left = whole - energy.max(0)
+        left = np.maximum(whole - energy.max(0), 0.0)
     k = int(left.argmin())
     own = rows[int(energy[:, k].argmax())]
     rest = turned[:, k] - np.linalg.lstsq(own.T, turned[:, k], rcond=None)[0] @ own
     # Of two numbers a band, three responses, a mode and a lag: what chance leaves, 9 times in 10.
     # What other modes leave goes on from band to band, and many then say what one does.
-    alike = max(float((rest[1:] @ np.conj(rest[:-1])).real / (rest @ np.conj(rest)).real), 0.0)
+    size = max(float(np.vdot(rest, rest).real), 1e-300)
+    alike = max(float(np.vdot(rest[:-1], rest[1:]).real) / size, 0.0)
     free = max((2 * f.size - 9) * (1 - alike) / (1 + alike), 1.0)
     chance = 1 + 2.7 * (1 + 4 / free) / free
-    likely = lags[left <= chance * left.min()]
-    low, high = max(float(likely.min()) - LATE, -most), min(float(likely.max()) + LATE, most)
+    likely = left <= chance * left.min()
+    low, high = (float(lags[likely][end]) for end in (0, -1))
+    # Beyond what was looked at nobody knows.
+    low = -most if likely[0] else max(low - LATE, -most)
+    high = most if likely[-1] else min(high + LATE, most)
     best = 0.0 if low <= 0 <= high else float(lags[left.argmin()])
     return replace(option, lag=best, lags=(low, high))
 
