@@ -32,10 +32,10 @@ TURNS = 2.0
 """Turns that are taken together where ratios are looked for: 5 % off turns by 0.2 of a cycle."""
 BAND = 2.5
 """Width in frequency over which a response is taken as one, Hz."""
-NARROW = 0.04
+NARROW = 0.03
 """Width of bands that tell a lag from a mode, of their frequency."""
-ALONE = 0.01
-"""Of a response, that one mode may leave: else another is sought beside it."""
+ALONE = 0.3
+"""Correlation from band to band of what one mode leaves, from which another is sought beside it."""
 BLOCK = 6.0
 """Seconds over which the response may wander: geometry rides with the springs."""
 RINGS = 0.25
@@ -46,7 +46,7 @@ PHANTOMS = (4.5, 6.5, 9.0, 12.0, 15.5, 19.5, 24.0, 29.0)
 """Distances of the phantoms, resolution cells to either side."""
 FORETOLD = 9.0
 """Seconds of a stretch that is foretold from its neighbours."""
-LATE = 0.005
+LATE = 0.0075
 """What bands and sampling leave of a lag, s, however surely it is read."""
 FOUND = 15.0
 """F from which something is locked: without joints the search over ratios reached 14."""
@@ -329,32 +329,26 @@ def punctual(option: Aligned, scene: Scene, y: FloatArray, *, most: float) -> Al
     f, h, w = _by_fine_bands(scene, y)
     if f.size < 5:
         return replace(option, lags=(-most, most))
-    lags = np.round(option.lag + np.arange(-0.1, 0.1001, 0.0025), 6)
+    # A mode passed slowly is late by itself, and has put the option far from where it is.
+    first, last = sorted((0.0, round(option.lag, 4)))
+    lags = np.round(np.arange(first - 0.1, last + 0.1001, 0.005), 6)
     lags = lags[np.abs(lags) <= most + 1e-9]
     turned = (h * w)[:, None] * np.exp(2j * np.pi * np.outer(f, lags - option.lag))
-    whole = float((np.abs(h * w) ** 2).sum())
     modes = np.geomspace(max(f.min() * 0.7, 3.0), f.max() * 1.3, 42)
     one = _modes(f, modes, (0.012, 0.025, 0.05, 0.1, 0.2))
     plain = np.stack([np.ones_like(f), (f / 80) ** 2]) * np.ones((len(one), 1, 1))
     rows = np.concatenate([plain, one[:, None]], 1) * w
-    energy = _of_rows(rows, turned)
-    left = np.maximum(whole - energy.max(0), 0.0)
-    if left.min() > ALONE * whole:
+    energy, left, alike = _left(rows, turned)
+    if alike > ALONE:
         # Another beside it: of some lags' best one, and fewer to choose from.
         other = _modes(f, modes[::3], (0.02, 0.06, 0.15))
-        first = np.unique(np.append(energy[:, ::8].argmax(0), energy[:, left.argmin()].argmax()))
+        best = np.unique(np.append(energy[:, ::8].argmax(0), energy[:, left.argmin()].argmax()))
         pairs = np.concatenate(
-            [np.repeat(rows[first], len(other), 0), np.tile(other * w, (len(first), 1))[:, None]], 1
+            [np.repeat(rows[best], len(other), 0), np.tile(other * w, (len(best), 1))[:, None]], 1
         )
-        energy, rows = _of_rows(pairs, turned), pairs
-        left = np.maximum(whole - energy.max(0), 0.0)
-    k = int(left.argmin())
-    own = rows[int(energy[:, k].argmax())]
-    rest = turned[:, k] - np.linalg.lstsq(own.T, turned[:, k], rcond=None)[0] @ own
+        _, left, alike = _left(pairs, turned)
     # Of two numbers a band, three responses, a mode and a lag: what chance leaves, 9 times in 10.
-    # What other modes leave goes on from band to band, and many then say what one does.
-    size = max(float(np.vdot(rest, rest).real), 1e-300)
-    alike = max(float(np.vdot(rest[:-1], rest[1:]).real) / size, 0.0)
+    # What goes on from band to band is other modes', and many bands then say what one does.
     free = max((2 * f.size - 9) * (1 - alike) / (1 + alike), 1.0)
     chance = 1 + 2.7 * (1 + 4 / free) / free
     likely = left <= chance * left.min()
@@ -364,6 +358,20 @@ def punctual(option: Aligned, scene: Scene, y: FloatArray, *, most: float) -> Al
     high = most if likely[-1] else min(high + LATE, most)
     best = 0.0 if low <= 0 <= high else float(lags[left.argmin()])
     return replace(option, lag=best, lags=(low, high))
+
+
+def _left(rows: np.ndarray, z: ComplexArray) -> tuple[FloatArray, FloatArray, float]:
+    """Energies (choices, k) of each z (n, k) that choices of rows (choices, m, n) explain.
+
+    With what the best leaves of each (k,), and how far what is least goes on from band to band.
+    """
+    energy = _of_rows(rows, z)
+    left = np.maximum((np.abs(z) ** 2).sum(0) - energy.max(0), 0.0)
+    k = int(left.argmin())
+    own = rows[int(energy[:, k].argmax())]
+    rest = z[:, k] - np.linalg.lstsq(own.T, z[:, k], rcond=None)[0] @ own
+    size = max(float(np.vdot(rest, rest).real), 1e-300)
+    return energy, left, max(float(np.vdot(rest[:-1], rest[1:]).real) / size, 0.0)
 
 
 def _modes(f: FloatArray, modes: FloatArray, dampings: Sequence[float]) -> ComplexArray:

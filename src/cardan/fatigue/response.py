@@ -228,7 +228,7 @@ class _Case:
 
     def other(self, times: float) -> Aligned | None:
         """Return the best ratio and lag of what turns so often as far, if it explains more."""
-        over = self.first.energy
+        over = self.options[0].energy
         found = aligned(self.search, times=times, over=over)
         return found[0] if found and found[0].energy > over else None
 
@@ -247,9 +247,28 @@ class _Case:
         return punctual(option, self.scene(option, angle), self.quiet, most=self.angle.lag)
 
     @cached_property
+    def held(self) -> tuple[Aligned, Line]:
+        """Return the ratio and lag that explain most, and order 2 as fitted so.
+
+        Bands know a lag roughly; whether there is any says the fit itself.
+        """
+        late = self.late(self.options[0])
+        line = order_line(self.scene(late), self.y, 2, most=2)
+        if late.lag:
+            none = replace(late, lag=0.0, lags=(min(late.lags[0], 0.0), max(late.lags[1], 0.0)))
+            other = order_line(self.scene(none), self.y, 2, most=2)
+            if self.left(other) <= self.left(line):
+                return none, other
+        return late, line
+
+    def left(self, line: Line) -> float:
+        """Return the energy that a line leaves, its blows cut down."""
+        return float((limited(self.y - line.wave.real, self.rate) ** 2).sum())
+
+    @cached_property
     def first(self) -> Aligned:
         """Return the ratio and lag that explain most."""
-        return self.late(self.options[0])
+        return self.held[0]
 
     @cached_property
     def best(self) -> Scene:
@@ -259,7 +278,7 @@ class _Case:
     @cached_property
     def line(self) -> Line:
         """Return order 2 as fitted."""
-        return order_line(self.best, self.y, 2, most=2)
+        return self.held[1]
 
     @cached_property
     def losing(self) -> BoolArray:
@@ -384,7 +403,7 @@ class _Case:
         alone = replace(self, load=np.ones_like(self.load))
         root = replace(self, load=np.sign(self.load) * np.sqrt(np.abs(self.load)))
         return (
-            all(alone.first.energy > UNMOVED * law.first.energy for law in (self, root))
+            all(alone.options[0].energy > UNMOVED * law.options[0].energy for law in (self, root))
             and alone.line.strength >= FOUND
         )
 
