@@ -739,45 +739,71 @@ def order_line(scene: Scene, y: FloatArray, order: int, *, most: int) -> Line:
     within = low, max(top, 1.5 * low)
     poles = _searched(slow, slow.met(y), most=most, within=within)
     columns = scene.columns(order, poles)
-    wave, calm, blown = _calm(columns, y, scene.rate)
-    if blown.any() and _of_blows(columns, len(poles), y, ~blown):
+    fit = _calm(columns, y, scene.rate)
+    if fit.rang(len(poles)):
         # No mode's answer is what it leaves: modes are looked for once more, without the blows.
-        still, _, _ = _calm(scene.columns(order), y, scene.rate, blown)
-        fine = np.where(blown, still.real, y)
+        still = _calm(scene.columns(order), y, scene.rate, fit.blown)
+        fine = np.where(fit.blown, still.wave.real, y)
         poles = _searched(slow, slow.met(fine), most=most, within=within)
         columns = scene.columns(order, poles)
-        wave, calm, _ = _calm(columns, y, scene.rate, blown)
+        fit = _calm(columns, y, scene.rate, fit.blown)
     stretch = scene.stretch[: slow.speed.size * slow.every : slow.every]
-    return Line(order, wave, columns, poles, calm, slow, stretch, scene.rate)
+    return Line(order, fit.wave, columns, poles, fit.y, slow, stretch, scene.rate)
 
 
-def _of_blows(columns: ComplexArray, poles: int, y: FloatArray, kept: BoolArray) -> bool:
-    """Return whether a mode of some among the columns (k, n) adds too little where none blows."""
-    rows, forces = columns[:, kept], len(columns) // (1 + poles)
-    whole = solved(rows, y[kept])[1]
-    without = (np.delete(rows, slice(k, k + forces), 0) for k in range(forces, len(rows), forces))
-    return any(whole - solved(some, y[kept])[1] < POLE * whole for some in without)
+@dataclass(frozen=True)
+class _Calm:
+    """A fit of columns to a stress that leaves its blows to themselves.
+
+    Attributes
+    ----------
+    wave : (n,)
+        The fit.
+    y : (n,)
+        The stress, in its blows the fit, and what else stands out of it cut down.
+    blown : (n,)
+        Where blows are.
+    gram, met : (2 columns, 2 columns), (2 columns,)
+        Normal equations of the rest.
+    """
+
+    wave: ComplexArray
+    y: FloatArray
+    blown: BoolArray
+    gram: FloatArray
+    met: FloatArray
+
+    def rang(self, poles: int) -> bool:
+        """Return whether a mode of some adds too little where nothing blows: it rang of blows."""
+        if not (poles and self.blown.any()):
+            return False
+        columns = self.met.size // 2
+        each = columns // (1 + poles)
+
+        def energy(kept: BoolArray) -> float:
+            some = np.flatnonzero(np.tile(kept, 2))
+            return float(_explained(self.gram[np.ix_(some, some)], self.met[some], ridge=RIDGE)[1])
+
+        mode = np.arange(columns) // each
+        whole = energy(mode >= 0)
+        return any(whole - energy(mode != k) < POLE * whole for k in range(1, 1 + poles))
 
 
 def _calm(
     columns: ComplexArray, y: FloatArray, rate: float, blown: BoolArray | None = None
-) -> tuple[ComplexArray, FloatArray, BoolArray]:
-    """Fit the columns (k, n) to y (n,) but where it is `blown`: the fit, y so calmed, and where.
-
-    Unless it is known, that is where the fit leaves blows. What else stands out of what it leaves
-    is cut down.
-    """
+) -> _Calm:
+    """Fit the columns (k, n) to y (n,) but where it is `blown`; unless known, where blows stand."""
     rows = _real(columns)
     gram = rows @ rows.T
     wave = _paired(_explained(gram, rows @ y, ridge=RIDGE)[0]) @ columns
-    calm, out = y, np.zeros(y.size, bool)
+    calm, out, rest_of, met = y, np.zeros(y.size, bool), gram, rows[:, 0]
     for _ in range(2):
         rest = y - wave.real
         out = blowing(rest, wave.real, rate) if blown is None else blown
         calm, some = wave.real + limited(rest, rate), rows[:, out]
-        c = _explained(gram - some @ some.T, rows @ calm - some @ calm[out], ridge=RIDGE)[0]
-        wave = _paired(c) @ columns
-    return wave, np.where(out, wave.real, calm), out
+        rest_of, met = gram - some @ some.T, rows @ calm - some @ calm[out]
+        wave = _paired(_explained(rest_of, met, ridge=RIDGE)[0]) @ columns
+    return _Calm(wave, np.where(out, wave.real, calm), out, rest_of, met)
 
 
 def blowing(rest: FloatArray, fit: FloatArray, rate: float) -> BoolArray:
