@@ -52,6 +52,8 @@ FOUND = 15.0
 """F from which something is locked: without joints the search over ratios reached 14."""
 SLOWEST = 2.0
 """Frequency below which nothing is told from the load, Hz."""
+PART = 1 << 15
+"""Samples of columns that are multiplied at once."""
 RIDGE = 1e-9
 """Of a fit's own size, that is put on its diagonal."""
 SLOW = 50.0
@@ -419,6 +421,18 @@ def _through(u: ComplexArray, pole: tuple[float, float], rate: float) -> Complex
 
 def _real(columns: ComplexArray) -> FloatArray:
     return np.concatenate([columns.real, -columns.imag])
+
+
+def _gram(columns: ComplexArray) -> FloatArray:
+    """Products of the `_real` rows of columns (k, n), (2k, 2k): a part of them at a time."""
+    parts = (_real(columns[:, k : k + PART]) for k in range(0, columns.shape[1], PART))
+    return sum((rows @ rows.T for rows in parts), np.zeros((2 * len(columns),) * 2))
+
+
+def _met(columns: ComplexArray, y: FloatArray) -> FloatArray:
+    """Products of those rows with y (n,), (2k,)."""
+    met = columns @ y
+    return np.concatenate([met.real, -met.imag])
 
 
 def solved(
@@ -793,15 +807,14 @@ def _calm(
     columns: ComplexArray, y: FloatArray, rate: float, blown: BoolArray | None = None
 ) -> _Calm:
     """Fit the columns (k, n) to y (n,) but where it is `blown`; unless known, where blows stand."""
-    rows = _real(columns)
-    gram = rows @ rows.T
-    wave = _paired(_explained(gram, rows @ y, ridge=RIDGE)[0]) @ columns
-    calm, out, rest_of, met = y, np.zeros(y.size, bool), gram, rows[:, 0]
+    gram, met = _gram(columns), _met(columns, y)
+    wave = _paired(_explained(gram, met, ridge=RIDGE)[0]) @ columns
+    calm, out, rest_of = y, np.zeros(y.size, bool), gram
     for _ in range(2):
         rest = y - wave.real
         out = blowing(rest, wave.real, rate) if blown is None else blown
-        calm, some = wave.real + limited(rest, rate), rows[:, out]
-        rest_of, met = gram - some @ some.T, rows @ calm - some @ calm[out]
+        calm, some = wave.real + limited(rest, rate), columns[:, out]
+        rest_of, met = gram - _gram(some), _met(columns, calm) - _met(some, calm[out])
         wave = _paired(_explained(rest_of, met, ridge=RIDGE)[0]) @ columns
     return _Calm(wave, np.where(out, wave.real, calm), out, rest_of, met)
 
