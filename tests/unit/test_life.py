@@ -183,7 +183,7 @@ def test_planes_of_a_rosette_are_a_gauge_each(tmp_path):
     )  # fmt: skip
     assert done.exit_code == 0, done.output
     gauges = {g["name"]: g for g in json.loads(done.output)["gauges"]}
-    assert len(gauges) == 18
+    assert len(gauges) == 20
     worst = max(gauges.values(), key=lambda g: g["damage"])
     assert worst["name"] == "R1@0"
     assert worst["high_MPa"] == pytest.approx(61.8, rel=1e-3)
