@@ -12,13 +12,13 @@ LONG = (
     "run_up", "parametric_torsion", "composite_tube", "shimmy", "who_broke_the_bracket",
     "lateral_flutter", "misaligned_shaft", "truck_torsion",
 )  # fmt: skip
-"""Pages that take ten seconds and more."""
+"""Pages that take ten seconds and more: the build of the documentation runs them too."""
 
 
 def needs(page):
-    """Pages that solve a bracket need its extra; some are long."""
+    """Pages that solve a bracket need its extra; some are long, and asked by hand."""
     marks = [pytest.mark.bracket] if "study.bracket" in page.read_text(encoding="utf-8") else []
-    return [*marks, *([pytest.mark.slow] if page.stem in LONG else [])]
+    return [*marks, *([pytest.mark.long] if page.stem in LONG else [])]
 
 
 @pytest.mark.parametrize("page", [pytest.param(p, marks=needs(p), id=p.stem) for p in PAGES])
