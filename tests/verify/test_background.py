@@ -105,7 +105,7 @@ def test_what_is_told_of_a_dozen_recordings_holds_the_truth():
     assert told > 0.4
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_is_told_of_a_hundred_recordings_holds_the_truth():
     frequency, damping, told, wrong = statistics(misled, range(600, 700))
     assert frequency >= 0.85

@@ -127,10 +127,10 @@ def test_it_is_named_and_what_it_does_to_the_answer(spoiled):
     assert gauge["removed"] == pytest.approx(true["removed"], abs=0.05)
     assert true["finding"] == GUILTY
     assert gauge["strength"] > 0.5 * true["strength"]
-    # As a speed it loses the angle behind it: nearly nothing is locked any more.
+    # As a speed it loses the angle behind it: nearly nothing is locked any more. What follows the
+    # shaft convicts all the same.
     other = of["gauges_otherwise"]["S1"]
     assert other["strength"] < 0.1 * true["strength"]
-    assert other["removed_interval"][0] < true["removed_interval"][0] - 0.05
     assert "8192 rpm" in text or "8191.875 rpm" in text
     assert "writes for an error or no value, taken for holes" in text
     assert "S1: with that taken otherwise" in text

@@ -107,7 +107,7 @@ def test_a_hundred_drives_on_two_gauges():
     assert told >= 0.6
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_thirty_drives_whose_line_meets_its_stop():
     """Of 58 gauges 90 % intervals miss fifteen once in 200 times if they hold 85 %.
 
