@@ -108,6 +108,13 @@ def test_a_clock_that_changes_its_rate_is_refused(tmp_path, later):
     refused(write(tmp_path / "a.csv", text), "clock (changes its rate|runs at another rate)")
 
 
+def test_how_far_the_rows_of_a_slower_clock_are_apart(tmp_path):
+    """Most rows of the piece in which it slows are still those of the rate it began with."""
+    steps = np.concatenate([np.full(6000, 1.0), np.full(2000, 2.0)]) / RATE
+    text = "time,S1\n" + rows(shown(np.cumsum(steps)), ["1.5"] * steps.size)
+    refused(write(tmp_path / "a.csv", text), "changes its rate.*steps of 2 samples")
+
+
 # --------------------------------------------------------------------------- several rates
 
 
@@ -351,12 +358,19 @@ def test_what_a_page_may_take_goes_by_its_samples():
     assert [room(n) for n in (1, 1 << 22, 1 << 23, 1 << 40)] == [1 << 26, 1 << 26, 1 << 27, 1 << 30]
 
 
-def test_a_wav_of_65281_channels(tmp_path):
+@pytest.mark.parametrize(
+    ("channels", "bits", "said"),
+    [
+        (65281, 16, "more than 1024 channels"), (0, 16, "it has no channels"),
+        (1, 12, r"unknown kind of samples.*12 bits"),
+    ],
+)  # fmt: skip
+def test_a_wav_of_no_channels_or_of_too_many(tmp_path, channels, bits, said):
     head = struct.pack(
-        "<4sI4s4sIHHIIHH", b"RIFF", 99, b"WAVE", b"fmt ", 16, 1, 65281, 500, 0, 0, 16
+        "<4sI4s4sIHHIIHH", b"RIFF", 99, b"WAVE", b"fmt ", 16, 1, channels, 500, 0, 0, bits
     )
     (tmp_path / "a.wav").write_bytes(head + struct.pack("<4sI", b"data", 1 << 20) + bytes(1 << 20))
-    refused(tmp_path / "a.wav", "more than 1024 channels")
+    refused(tmp_path / "a.wav", said)
 
 
 @pytest.mark.parametrize("name", ["a.csv", "a.txt"])

@@ -51,8 +51,10 @@ def table(path: Path) -> Table:
                 if code == 0xFFFE and len(body) >= 26:
                     code = struct.unpack("<H", body[24:26])[0]
         start = file.tell()
-    if (code, bits) not in _TYPES or not channels:
+    if (code, bits) not in _TYPES:
         raise bad(path, "unknown kind of samples", value=f"format {code}, {bits} bits")
+    if not channels:
+        raise bad(path, "it has no channels")
     if channels > MOST:
         raise bad(path, f"it claims more than {MOST} channels", value=str(channels))
     said = large if length == 0xFFFFFFFF and large else length

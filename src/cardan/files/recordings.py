@@ -400,7 +400,7 @@ def _evenly(
             k = int(np.argmax(whole > 1))
             raise bad(
                 path, f"its clock changes its rate near row {row + k + 1}",
-                value=f"steps of {float(np.median(whole)):g} samples of the rate it began with",
+                value=f"steps of {np.median(whole[whole > 1]):g} samples of the rate it began with",
                 hint="split or resample it",
             )  # fmt: skip
         even = whole == 1
