@@ -445,7 +445,7 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any] | None:
         return None
     for called in (close, gated, followed_on):  # by others here
         register_jitable(called)
-    return numba.njit(cache=True, nogil=True)(function)
+    return numba.njit(cache=True, nogil=True, error_model="numpy")(function)
 
 
 def gate_of_all() -> Callable[[Any, float, FloatArray], int] | None:
