@@ -3,6 +3,7 @@
 import json
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,7 +23,7 @@ from cardan.report.bracket_chapter import chapter
 from cardan.report.language import CODES, Language
 from cardan.study.approval import Approval, assess
 from cardan.study.bracket import BracketAnswer, duty_of, study
-from cardan.study.bracket_judge import SWINGS, Case, judge
+from cardan.study.bracket_judge import SWINGS, Case, _worst_first, judge
 from cardan.study.bracket_life import loads_of, strengths
 from cardan.study.finding import Finding
 
@@ -362,6 +363,65 @@ def test_a_variant_is_better_only_where_its_worst_zone_is(found):
     bare = [replace(v, duty=()) for v in (first, worse)]
     used = [replace(o, used=0.5 * o.used) for o in first.outcomes]
     assert "is better: " in shown.better(bare[0], replace(bare[0], outcomes=tuple(used)))
+
+
+def test_nobody_knows_whether_a_variant_is_better_where_no_curve_is_known(found):
+    """A cast toe bears what nobody says, and is stressed most: that the rest lives tells nothing.
+
+    Where it is stressed less than its zone was, whatever it bears, it is better as well.
+    """
+    first = replace(found.variants[0], duty=())
+    k = int(shown.highest(first)[0].argmax())
+    unknown = np.array([f.zone == first.features[k].zone for f in first.features])
+
+    def of(v, share, stress):
+        return replace(v, outcomes=tuple(
+            replace(o, used=np.where(unknown, np.nan, share * o.used), hot=stress * o.hot)
+            for o in v.outcomes
+        ))  # fmt: skip
+
+    before = of(first, 1, 1)
+    told = shown.better(before, of(first, 0.5, 1))
+    assert "Whether the variant is better cannot be told" in told
+    assert first.features[k].zone in told
+    assert "is better: " in shown.better(before, of(first, 0.5, 0.9))
+    assert "is not better: " in shown.better(before, of(first, 1.1, 1))
+    assert "worst zone known" in shown.worst_use(replace(found, variants=(before,)), Language("en"))
+    assert "known" not in shown.worst_use(found, Language("en"))
+
+
+def test_hours_are_of_the_duty_cycle_or_of_what_was_recorded(found):
+    """A recording repeats as it was driven; a state's turns are driven by nobody all the time."""
+    v = replace(found.variants[0], duty=())
+    assert np.isnan(shown.hours_of(v)).all()
+    assert v.lasting == ()
+    kerb, static, second, *rest = v.outcomes
+    assert second.life.duration > 0  # of a state's turns too it is known how long they take
+    spots = np.linspace(1e-4, 1e-3, len(v.features))
+    field = replace(
+        second, case=Case("field", second.case.loads, duration=20.0),
+        life=replace(second.life, spots=spots, turns=np.nan, duration=20.0),
+    )  # fmt: skip
+    driven = replace(v, outcomes=(kerb, static, second, field, *rest))
+    assert [e.duration for e in driven.lasting] == [20.0]
+    assert shown.hours_of(driven) == pytest.approx(20 / 3600 / spots)
+    lines = shown.terminal(approved(replace(found, variants=(driven,))), width=200)
+    text = " ".join(" ".join(lines).split())
+    assert "Hours: of the recording that wears it most" in text
+    finding = Finding(study="bracket", answer=replace(found, variants=(driven,)))
+    heads = [
+        cell for b in chapter(finding, Language("en")) if isinstance(b, Table) for cell in b.head
+    ]
+    assert "hours to failure, driven as recorded" in heads
+
+
+def test_the_worst_feature_is_the_one_that_fails_first():
+    """More stressed, and less worn: a sheet's curve falls sooner than a cut edge's."""
+    known, hot = ((0, 1), (1, 1)), SimpleNamespace(hot=np.array([3.0, 2.0]))
+    worn = SimpleNamespace(spots=np.array([1e-6, 2e-6]), duration=1.0)
+    longer = SimpleNamespace(spots=np.array([6e-6, 1e-6]), duration=10.0)
+    for lasting, order in (([], [0, 1]), ([worn], [1, 0]), ([worn, longer], [1, 0])):
+        assert _worst_first(known, [hot], lasting, (1.0, 1.0)).tolist() == order
 
 
 def test_a_long_life_is_not_told_in_figures():

@@ -390,6 +390,37 @@ def test_wav_of_floats_and_one_cut_short(tmp_path):
     assert "cut short" in short.notes[0]
     (tmp_path / "c.wav").write_bytes(struct.pack("<4sI4s", b"RIFF", 99, b"WAVE"))
     refused(tmp_path / "c.wav", "ends before")
+    assert not recording.notes
+
+
+def test_a_wav_whose_header_does_not_say_what_is_there(tmp_path):
+    """A logger that was cut off, or never wrote how much it had: nothing is left out unsaid."""
+    with wave.open(str(tmp_path / "a.wav"), "wb") as file:
+        file.setparams((1, 2, int(RATE), 0, "NONE", ""))
+        file.writeframes(np.arange(-500, 500, dtype="<i2").tobytes())
+    raw = bytearray((tmp_path / "a.wav").read_bytes())
+    at = raw.index(b"data") + 4
+
+    def opened(length, *, pace=2 * int(RATE), after=b""):
+        head = raw.copy()
+        head[at : at + 4] = struct.pack("<I", length)
+        head[28:32] = struct.pack("<I", pace)
+        (tmp_path / "b.wav").write_bytes(head + after)
+        return open_recording(tmp_path / "b.wav")
+
+    half = opened(1000)
+    assert (half.samples, len(half.notes)) == (500, 1)
+    assert "1000 bytes behind the 1000 that its header claims" in half.notes[0]
+    for length in (0, 0xFFFFFFFF):
+        whole = opened(length)
+        np.testing.assert_array_equal(whole.whole()[0] * 2**15, np.arange(-500, 500))
+        assert "says nothing of how long it is" in whole.notes[0]
+    assert not opened(2000, after=b"LIST" + struct.pack("<I", 4) + b"INFO").notes
+    (note,) = opened(2000, pace=4 * int(RATE)).notes
+    assert f"says {RATE:g} Hz and, by bytes a second, {2 * RATE:g} Hz" in note
+
+
+def test_what_is_no_wav(tmp_path):
     write(tmp_path / "d.wav", "hello")
     refused(tmp_path / "d.wav", "not a WAV")
 

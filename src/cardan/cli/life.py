@@ -315,8 +315,8 @@ def life(
     recording --corrected, --load-history and --changed-history.
 
     Held against --target-hours and the rows of --limits, where either is given. Exit code 0
-    where every gauge passes or warns or nothing was asked, 1 where one fails or the life of
-    one is not known, 2 for a bad file or option.
+    where every gauge passes or warns or nothing was asked, 1 where one fails or is vetoed or
+    the life of one that is asked about is not known, 2 for a bad file or option.
     """
     from cardan.report import life as report
     from cardan.report.language import Language

@@ -33,7 +33,7 @@ def table(path: Path) -> Table:
         top = file.read(12)
         if len(top) < 12 or top[:4] not in (b"RIFF", b"RF64") or top[8:] != b"WAVE":
             raise bad(path, "it is not a WAV file", value=repr(top[:4]))
-        code = channels = rate = bits = 0
+        code = channels = rate = pace = bits = 0
         large = 0
         while True:
             head = file.read(8)
@@ -47,24 +47,33 @@ def table(path: Path) -> Table:
             if name == b"ds64" and len(body) >= 16:
                 large = struct.unpack("<Q", body[8:16])[0]
             if name == b"fmt " and len(body) >= 16:
-                code, channels, rate, _, _, bits = struct.unpack("<HHIIHH", body[:16])
+                code, channels, rate, pace, _, bits = struct.unpack("<HHIIHH", body[:16])
                 if code == 0xFFFE and len(body) >= 26:
                     code = struct.unpack("<H", body[24:26])[0]
         start = file.tell()
+        said = large if length == 0xFFFFFFFF else length
+        file.seek(start + said + said % 2)
+        behind = file.read(8)
     if (code, bits) not in _TYPES:
         raise bad(path, "unknown kind of samples", value=f"format {code}, {bits} bits")
     if not channels:
         raise bad(path, "it has no channels")
     if channels > MOST:
         raise bad(path, f"it claims more than {MOST} channels", value=str(channels))
-    said = large if length == 0xFFFFFFFF and large else length
     frame = channels * bits // 8
-    there = min(said, size - start)
+    # Nought is of a header that was never completed: samples go on to the end.
+    there = min(said or size, size - start)
     samples = there // frame
-    notes: tuple[str, ...] = ()
+    notes: list[str] = []
     if there < said:
-        note = f"the file is cut short: {there} of {said} bytes of samples are there"
-        notes = (note,)
+        notes.append(f"the file is cut short: {there} of {said} bytes of samples are there")
+    elif said < there:
+        notes.append("its header says nothing of how long it is: read to the end of the file")
+    elif behind and not _opens(behind, size - start - said):
+        left = size - start - there
+        notes.append(f"{left} bytes behind the {said} that its header claims are not read")
+    if pace != rate * frame:
+        notes.append(f"its header says {rate} Hz and, by bytes a second, {pace / frame:.6g} Hz")
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
         # Read, not mapped: pages of a map count as memory of whoever reads, all of a long file.
@@ -79,8 +88,16 @@ def table(path: Path) -> Table:
 
     return Table(
         columns=tuple(Channel(f"channel {k + 1}") for k in range(channels)),
-        rows=rows, rate=float(rate), samples=samples, notes=notes,
+        rows=rows, rate=float(rate), samples=samples, notes=tuple(notes),
     )  # fmt: skip
+
+
+def _opens(head: bytes, left: int) -> bool:
+    """Return whether eight bytes open another part of a file of which so much is left."""
+    if len(head) < 8:
+        return True
+    name, length = struct.unpack("<4sI", head)
+    return all(32 <= c < 127 for c in name) and length <= left - 8
 
 
 def _values(raw: np.ndarray, code: int, bits: int) -> FloatArray:

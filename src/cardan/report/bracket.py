@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import NotInstalled
-from cardan.base.part import Occasion
+from cardan.base.part import Occasion, Part
 from cardan.base.units import MPa, N, hour, kN, mm, rpm
 from cardan.base.verdict import Check
 from cardan.bracket.gauges import Recovered
@@ -270,10 +270,10 @@ def highest(v: Judged) -> tuple[FloatArray, list[Outcome]]:
 
 
 def hours_of(v: Judged) -> FloatArray:
-    """Return the hours (features,) to failure over the duty cycle, its worst state."""
-    if not v.duty:
+    """Return the hours (features,) to failure: the worst state of the duty cycle, or recording."""
+    if not v.lasting:
         return np.full(len(v.features), np.nan)
-    rate = np.max([e.spots / e.duration for e in v.duty], axis=0)
+    rate = np.max([e.spots / e.duration for e in v.lasting], axis=0)
     with np.errstate(divide="ignore"):
         return 1 / (rate * hour)
 
@@ -289,7 +289,7 @@ def lies(say: Language) -> str:
 
 def hours_within(v: Judged) -> FloatArray:
     """Return between what hours (features, 2) each feature's life lies by its stress's error."""
-    each = [[e.at([k]).hours_within for k in range(len(v.features))] for e in v.duty]
+    each = [[e.at([k]).hours_within for k in range(len(v.features))] for e in v.lasting]
     return np.min(each, axis=0) if each else np.full((len(v.features), 2), np.nan)
 
 
@@ -300,12 +300,17 @@ def hours(value: float, say: Language, within: Iterable[float] = (np.nan, np.nan
     """
     if np.isnan(value):
         return "-"
-    told = f"> {say.number(LONG)}" if value > LONG else _small(value, say)
+    told = f"> {say.number(LONG)}" if value > LONG else _three(value, say)
     low, high = within
     if np.isnan(low) or low > LONG:
         return told
-    ends = say.pointed(f"{low:.3g}"), "∞" if high > LONG else say.pointed(f"{high:.3g}")
+    ends = _three(low, say), "∞" if high > LONG else _three(high, say)
     return f"{told}\N{NO-BREAK SPACE}({ends[0]}…{ends[1]})"
+
+
+def _three(value: float, say: Language) -> str:
+    """Return hours to three digits, thousands of them written out."""
+    return f"{float(f'{value:.3g}'):.0f}" if value >= 1e3 else say.pointed(f"{value:.3g}")
 
 
 def _features(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[str]:
@@ -332,6 +337,8 @@ def _features(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterat
         "± is the estimated error (! above 5 %). Toes and borders: structural stress, carried on "
         "from 0.4 and 1.0 thicknesses away; the worse of a sliding and a clamped flange."
     )
+    if v.lasting and not v.duty:
+        means += " " + say("Hours: of the recording that wears it most, driven on and on.")
     yield from folded([f"  {means}"], width)
     for what in (*in_contact(v, say), *vague(v, say), *untold(of, v, say)):
         yield from folded([f"  {what}"], width)
@@ -570,6 +577,13 @@ def span(low: float, high: float) -> str:
     return f"{high:.1f}" if same else f"{low:.1f} … {high:.1f}"
 
 
+def worst_use(of: BracketAnswer, say: Language) -> str:
+    """Return what the largest use of the fatigue limit is called: of all zones, or those known."""
+    if any(np.isnan(used(v)).any() for v in of.variants):
+        return say("use of the fatigue limit, worst zone known, %")
+    return say("use of the fatigue limit, worst zone, %")
+
+
 def _compared(of: BracketAnswer, say: Language, width: int) -> Iterator[str]:
     """Yield what the reinforcement changes."""
     before, after = of.variants[0], of.variants[1]
@@ -583,12 +597,14 @@ def _compared(of: BracketAnswer, say: Language, width: int) -> Iterator[str]:
     ]
     uses = [float(np.nanmax(used(v), initial=0.0)) for v in (before, after)]
     if min(uses) > 0:
-        label = say("use of the fatigue limit, worst zone, %")
-        changed.insert(1, (label, 100 * uses[0], 100 * uses[1]))
+        changed.insert(1, (worst_use(of, say), 100 * uses[0], 100 * uses[1]))
     rows = [
         (label, say.number(float(was)), say.number(float(now)), say.percent(float(now / was) - 1))
         for label, was, now in changed
     ]
+    if all(known(hours_of(v)) for v in (before, after)):
+        was, now = (first_hours(v, say) for v in (before, after))
+        rows.insert(1, (say("hours to the first failure"), was, now, ""))
     yield from _numbers(("", say(before.name), say(after.name), ""), rows, width)
     yield from folded([better(before, after, say)], width)
 
@@ -596,35 +612,66 @@ def _compared(of: BracketAnswer, say: Language, width: int) -> Iterator[str]:
 def better(before: Judged, after: Judged, say: Language = EN) -> str:
     """Return whether a variant is better, which it is only where its worst zone is.
 
-    By life over the duty cycle, else by the use of the fatigue limit, else by stress.
+    By life over the duty cycle or under what was recorded, else by the use of the fatigue limit,
+    else by stress. Nobody knows where a zone that no curve is known of is stressed no less.
     """
-    lives_ = [v.life for v in (before, after)]
-    uses = [float(np.nanmax(used(v), initial=0.0)) for v in (before, after)]
-    if not any(np.isnan(lives_)):
-        gain = lives_[1] > lives_[0]
-        what = say(
-            "{was} h before, {now} h after",
-            was=hours(lives_[0], say, before.life_within),
-            now=hours(lives_[1], say, after.life_within),
-        )
-    elif min(uses) > 0:
-        gain = uses[1] < uses[0]
+    lasts, uses = ([f(v) for v in (before, after)] for f in (hours_of, used))
+    if all(known(x) for x in lasts):
+        was, now = (float(np.nanmin(x)) for x in lasts)
+        gain, worst = now > was, int(np.nanargmin(lasts[1]))
+        ends = {"was": first_hours(before, say), "now": first_hours(after, say)}
+        what = say("{was} h before, {now} h after", **ends)
+    elif all(known(x) for x in uses):
+        was, now = (float(np.nanmax(x)) for x in uses)
+        gain, worst = now < was, int(np.nanargmax(uses[1]))
         what = say(
             "{was} % of the fatigue limit before, {now} % after",
-            was=say.number(100 * uses[0]), now=say.number(100 * uses[1]),
+            was=say.number(100 * was), now=say.number(100 * now),
         )  # fmt: skip
     else:
-        old, new = (float(v.worst.hot.max()) / MPa for v in (before, after))
-        gain = new < old
-        what = say("{was} MPa before, {now} MPa after", was=say.number(old), now=say.number(new))
-    share = used(after) if min(uses) > 0 else highest(after)[0]
-    part = say.part(
-        (after.features[0] if after.duty else after.features[int(np.nanargmax(share))]).part
-    )
-    told = {"what": what, "part": part}
-    if gain:
-        return say("At its worst zone the variant is better: {what} ({part}).", **told)
-    return say("At its worst zone the variant is not better: {what} ({part}).", **told)
+        stress = highest(after)[0]
+        was, now = (float(v.worst.hot.max()) / MPa for v in (before, after))
+        gain, worst = now < was, int(stress.argmax())
+        what = say("{was} MPa before, {now} MPa after", was=say.number(was), now=say.number(now))
+    told = {"what": what, "part": say.part(after.features[worst].part)}
+    if not gain:
+        found = say("At its worst zone the variant is not better: {what} ({part}).", **told)
+    elif (part := _unknown(before, after)) is not None:
+        found = say(
+            "Whether the variant is better cannot be told: nobody knows what its {other} bears, "
+            "stressed no less than before. At the worst zone that is known: {what} ({part}).",
+            other=say.part(part), **told,
+        )  # fmt: skip
+    else:
+        found = say("At its worst zone the variant is better: {what} ({part}).", **told)
+    return found + " " + say("Limits are asked of the original: the variant has no verdict.")
+
+
+def known(values: FloatArray) -> bool:
+    """Return whether any of some features' values is known."""
+    return not np.isnan(values).all()
+
+
+def first_hours(v: Judged, say: Language) -> str:
+    """Return the hours to the first failure of what is known, and between what they lie."""
+    within = np.min([e.hours_within for e in v.lasting], axis=0)
+    return hours(float(np.nanmin(hours_of(v))), say, within)
+
+
+def _unknown(before: Judged, after: Judged) -> Part | None:
+    """Return what is stressed no less than its zone was, and bears what nobody knows; else None."""
+    use = used(after)
+    if not known(use):
+        return None
+    stress, old = highest(after)[0], highest(before)[0]
+    for k in np.argsort(-stress).tolist():
+        zone = after.features[k].zone
+        was = max(
+            (s for s, f in zip(old, before.features, strict=True) if f.zone == zone), default=0
+        )
+        if np.isnan(use[k]) and stress[k] > 0 and stress[k] >= was:
+            return after.features[k].part
+    return None
 
 
 # --------------------------------------------------------------------------- contract

@@ -18,11 +18,13 @@ from cardan.report.bracket import (
     better,
     counted,
     crossed,
+    first_hours,
     highest,
     hours,
     hours_of,
     hours_within,
     in_contact,
+    known,
     lies,
     lives,
     parted,
@@ -36,6 +38,7 @@ from cardan.report.bracket import (
     used,
     vague,
     worn,
+    worst_use,
 )  # fmt: skip
 from cardan.report.bracket_scene import scene
 from cardan.report.chart import Chart, Level, Series, bars, plot
@@ -121,18 +124,27 @@ def _compared(of: BracketAnswer, say: Language) -> Table:
     ]
     if of.bracket.fatigue is not None and all(np.isfinite(used(v)).any() for v in of.variants):
         rows.append((
-            say("use of the fatigue limit, worst zone, %"),
+            worst_use(of, say),
             [100 * float(np.nanmax(used(v))) for v in of.variants],
         ))  # fmt: skip
     if all(lives(v) for v in of.variants):
         worst = [max(e.per_turn for e in lives(v)) for v in of.variants]
         rows.append((say("largest damage of a turn of the shaft"), worst))
+    told = [(name, *(say.number(x) if x > 1e-4 or x == 0 else say.pointed(f"{x:.2e}")
+                     for x in values)) for name, values in rows]  # fmt: skip
+    if all(known(hours_of(v)) for v in of.variants):
+        told.append((_of_hours(of.variants[0], say), *(first_hours(v, say) for v in of.variants)))
     return Table(
         caption=say("Original and reinforced") if len(of.variants) > 1 else say("The bracket"),
         head=("", *(say(v.name) for v in of.variants)),
-        rows=tuple((name, *(say.number(x) if x > 1e-4 or x == 0 else say.pointed(f"{x:.2e}")
-                            for x in values)) for name, values in rows),
-    )  # fmt: skip
+        rows=tuple(told),
+    )
+
+
+def _of_hours(v: Judged, say: Language) -> str:
+    """Return what hours to failure are told of."""
+    as_recorded = v.lasting and not v.duty
+    return say("hours to failure, driven as recorded") if as_recorded else say("hours to failure")
 
 
 def _features(v: Judged, say: Language) -> Table:
@@ -143,7 +155,7 @@ def _features(v: Judged, say: Language) -> Table:
         caption=say("Where a crack may start: {name}", name=say(v.name)),
         head=(
             say("feature"), say("load case of its highest stress"), say("at x, y, z [mm]"), "MPa",
-            say("fatigue use"), say("hours to failure"),
+            say("fatigue use"), _of_hours(v, say),
         ),
         rows=tuple(
             (
@@ -212,7 +224,7 @@ def _damage(v: Judged, say: Language) -> Table:
             say("worst at"),
             say("damage per turn"),
             say("damage per hour"),
-            say("hours to the first failure"),
+            say("hours to failure"),
         ),
         rows=tuple(
             (

@@ -5,7 +5,7 @@ held in two ways that have the truth between them, sliding and clamped, and what
 a feature is the worse of the two.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import chain
@@ -360,6 +360,11 @@ class Judged:
         return max(self.outcomes, key=lambda o: float(o.hot.max()))
 
     @property
+    def lasting(self) -> tuple[Endured, ...]:
+        """What hours are told of: the duty cycle in each state that lasts, else each recording."""
+        return self.duty or recorded(self.outcomes)
+
+    @property
     def life(self) -> float:
         """Hours to failure at the worst feature over the duty cycle; nan without one."""
         return min((e.hours for e in self.duty), default=np.nan)
@@ -374,6 +379,12 @@ class Judged:
     def life_meshed(self) -> float:
         """Hours that finer elements may make of that life at most, the flange held alike."""
         return min((e.hours_meshed for e in self.duty), default=np.nan)
+
+
+def recorded(outcomes: Iterable[Outcome]) -> tuple[Endured, ...]:
+    """Return what is endured of what was driven as it was recorded: no turn of a state's shaft."""
+    every = (o.life for o in outcomes if np.isnan(o.case.turns))
+    return tuple(e for e in every if e is not None and e.duration > 0)
 
 
 # --------------------------------------------------------------------------- one way of holding
@@ -806,7 +817,7 @@ def judge(
     if duty and strength:
         told("damage over the duty cycle, at every place of the surface")
     spent, damage, worn = _duty(solved, ways, duty or {}, strength, modulus, error)
-    order = _worst_first(known, outcomes, spent, _weights(strength))
+    order = _worst_first(known, outcomes, spent or recorded(outcomes), _weights(strength))
     spots = _spots(worn or [*chain.from_iterable(peaks)], order)
     # What its highest stress may be off by, read from gauges or not.
     high = np.array([o.hot for o in outcomes])
@@ -1271,13 +1282,14 @@ def _passes(way: _Way, parts: Sequence[tuple[float, Case]]) -> list[Pass]:
 def _worst_first(
     known: tuple[tuple[int, int], ...],
     outcomes: Sequence[Outcome],
-    spent: Sequence[Endured],
+    lasting: Sequence[Endured],
     weights: tuple[float, ...],
 ) -> IntArray:
-    """Return the features, the worst first: by damage over the duty cycle, else by stress."""
+    """Return the features, the worst first: by damage of a second, else by stress."""
     weight = np.array([weights[kind] for kind, _ in known])
     stress = np.max([o.hot for o in outcomes], axis=0) * weight
-    damage = np.nan_to_num(np.max([e.spots for e in spent] or [np.zeros(len(known))], axis=0))
+    rates = [e.spots / e.duration for e in lasting] or [np.zeros(len(known))]
+    damage = np.nan_to_num(np.max(rates, axis=0))
     return np.lexsort((-stress, -damage))
 
 
