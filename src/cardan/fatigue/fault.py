@@ -541,10 +541,10 @@ def _jumps(x: FloatArray, *, longest: int) -> tuple[IntArray, FloatArray]:
     size = np.abs(d)
     if size.size <= 2 * QUIET + 8:
         return none
-    calm_before = size[2:] > 5 * np.maximum(size[1:-1], size[:-2])
-    calm_behind = size[:-2] > 5 * np.maximum(size[1:-1], size[2:])
-    off = _outstanding(size, np.flatnonzero(calm_before) + 2, -1)
-    back = _outstanding(size, np.flatnonzero(calm_behind), 1)
+    off, back = map(np.flatnonzero, _loud(size))
+    off = off[size[off] > 5 * np.maximum(size[off - 1], size[off - 2])]
+    back = back[size[back] > 5 * np.maximum(size[back + 1], size[back + 2])]
+    off, back = _outstanding(size, off, -1), _outstanding(size, back, 1)
     if not (off.size and back.size):
         return none
     near = np.searchsorted(back, off, "right")
@@ -576,8 +576,9 @@ def _pricks(x: FloatArray) -> tuple[IntArray, FloatArray]:
     off = np.zeros_like(x)
     off[2:-2] = x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6
     size = np.abs(off)
-    beside = np.maximum(np.abs(off[:-2] + 2 / 3 * off[1:-1]), np.abs(off[2:] + 2 / 3 * off[1:-1]))
-    at = np.flatnonzero(beside < ALONE * size[1:-1]) + 1
+    at = np.flatnonzero(_loud(size, gap=2, least=FORETOLD).all(0))
+    beside = np.maximum(np.abs(off[at - 1] + 2 / 3 * off[at]), np.abs(off[at + 1] + 2 / 3 * off[at]))
+    at = at[beside < ALONE * size[at]]
     for way in (-1, 1):
         at = _outstanding(size, at, way, gap=2, least=FORETOLD)
     return np.stack([at, at + 1], -1), off[at]
@@ -595,12 +596,12 @@ def torn(x: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
     step = np.diff(x)
     apart = np.zeros_like(x)
     apart[1:-2] = step[1:-1] - (step[:-2] + step[2:]) / 2
-    size, half = np.abs(apart), apart[1:-1] / 2
-    beside = np.maximum(np.abs(apart[:-2] + half), np.abs(apart[2:] + half))
-    at = np.flatnonzero(beside < TORN_ALONE * size[1:-1]) + 1
-    at = at[(at > 4) & (at < x.size - 5)]
+    size, near = np.abs(apart), np.abs(step)
+    at = np.flatnonzero(_loud(size, gap=2, least=TORN, share=0.5).all(0))
+    half = apart[at] / 2
+    beside = np.maximum(np.abs(apart[at - 1] + half), np.abs(apart[at + 1] + half))
+    at = at[beside < TORN_ALONE * size[at]]
     # What was hit goes on about as fast.
-    near = np.abs(step)
     at = at[size[at] > TORN_MOVES * np.maximum(near[at - 1], near[at + 1])]
     at = at[size[at] > 2 * np.maximum(size[at - 3], size[at + 3])]
     for way in (-1, 1):
@@ -656,12 +657,30 @@ def _stepped(x: FloatArray, lag: int) -> tuple[IntArray, FloatArray]:
     if size.size <= 2 * QUIET + 8 * lag:
         return np.empty((0, 2), np.intp), np.empty(0)
     calm = 5 if lag == 1 else 3  # a filter overshoots
-    alone = size[lag:-lag] > calm * np.maximum(size[: -2 * lag], size[2 * lag :])
+    at = np.flatnonzero(_loud(size, gap=lag).all(0))
+    at = at[size[at] > calm * np.maximum(size[at - lag], size[at + lag])]
     for k in range(1, lag):  # the middle of the way
-        alone &= size[lag:-lag] >= np.maximum(size[lag - k : -lag - k], size[lag + k : k - lag])
-    at = np.flatnonzero(alone) + lag
+        at = at[size[at] >= np.maximum(size[at - k], size[at + k])]
     at = _outstanding(size, _outstanding(size, at, -1, gap=lag), 1, gap=lag)
     return np.stack([at + 1, at + 1 + lag], -1), d[at]
+
+
+def _loud(
+    size: FloatArray, *, gap: int = 1, least: float = OUTSTANDING, share: float = 0.9
+) -> BoolArray:
+    """Return which jumps may be `_outstanding`, (2, n): before them, and behind. No others are."""
+    # In each of as many sets as steps are usual or larger one is as large as the least of the
+    # largest: so is what is usual.
+    low, count = size, QUIET - int(share * QUIET)
+    for k in (1, 2, 4, 8, 16):
+        low = (np.maximum if 2 * k * count <= QUIET else np.minimum)(low[:-k], low[k:])
+    low *= least
+    loud = np.zeros((2, size.size), bool)
+    first = gap + QUIET
+    jumps = size[first:-first]
+    np.greater(jumps, low[: jumps.size], out=loud[0, first:-first])
+    np.greater(jumps, low[-jumps.size :], out=loud[1, first:-first])
+    return loud
 
 
 def _outstanding(
@@ -670,10 +689,6 @@ def _outstanding(
 ) -> IntArray:  # fmt: skip
     """Those jumps that stand out of a share of the steps before them (way -1) or behind (1)."""
     first = at + 1 + gap if way > 0 else at - gap - QUIET
-    inside = (first >= 0) & (first + QUIET <= size.size)
-    at, first = at[inside], first[inside]
-    if not at.size:
-        return at
     near = np.lib.stride_tricks.sliding_window_view(size, QUIET)[first]
     usual = np.partition(near, int(share * QUIET), axis=-1)[:, int(share * QUIET)]
     return at[size[at] > least * usual]
