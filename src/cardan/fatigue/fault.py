@@ -234,7 +234,8 @@ class Finder:
         if written.any():
             at = np.flatnonzero(written)
             self.sentinels.append((at + self.start, x[at]))
-        plain = x[~written & ~missing]
+        spoiled = written | missing
+        plain = x[~spoiled] if spoiled.any() else x
         if plain.size:
             self.low, self.high = min(self.low, plain.min()), max(self.high, plain.max())
             edge = np.arange(0, plain.size, BLOCK)
@@ -258,25 +259,25 @@ class Finder:
         self.start += x.size
 
     def _still(self, x: FloatArray) -> None:
-        move = np.diff(np.concatenate([[self.last], x]))
+        move = np.abs(np.diff(x, prepend=self.last))
         self.still.add(move == 0, self.start, x)
-        moved = np.abs(move[move != 0])
-        moved = moved[~np.isnan(moved)]
-        self.changes += moved.size
-        if moved.size:
-            self.step = min(self.step, float(moved.min()))
+        moved = move > 0
+        self.changes += np.count_nonzero(moved)
+        least = np.fmin.reduce(move, initial=np.inf)
+        least = least if least > 0 else move[moved].min(initial=np.inf)
+        self.step = min(self.step, float(least))
         self.last = float(x[-1])
 
     def _plateaus(self, x: FloatArray, offset: int, size: int) -> None:
         edge = np.flatnonzero(np.diff(x) != 0) + 1
         self._neighbours(edge, offset, size)
-        first, last = edge[:-1], edge[1:]
         for sign, book in self.crests.items():
-            book.add(sign * x, first, last, reach=self.reach, start=offset, size=size)
-        width = last - first
-        long = (width >= 2) & (width < self.reach - 4)
-        long &= (first >= self.reach) & (first < self.reach + size)
-        first, last = first[long], last[long]
+            book.add(sign * x, edge, reach=self.reach, start=offset, size=size)
+        level = np.flatnonzero(edge[1:] - edge[:-1] >= 2)
+        first, last = edge[level], edge[level + 1]
+        mine = (last - first < self.reach - 4)
+        mine &= (first >= self.reach) & (first < self.reach + size)
+        first, last = first[mine], last[mine]
         inside = (first > 1) & (last < x.size - 1)
         first, last = first[inside], last[inside]
         rise, fall = x[first] - x[first - 1], x[last - 1] - x[last]
@@ -299,8 +300,7 @@ class Finder:
             return
         for sign, end in ((1, self.high), (-1, -self.low)):
             level = end - NEARLY * span
-            y = np.minimum(sign * x, end)
-            high = y >= level
+            high = sign * x >= level
             edge = np.flatnonzero(high[1:] != high[:-1]) + 1
             first, last = edge[high[edge]], edge[~high[edge]]
             last = last[np.searchsorted(last, first[:1], "right")[0] if first.size else 0 :]
@@ -311,6 +311,7 @@ class Finder:
             old = self.blunt[sign]
             kept = old[old[:, 2] >= level]
             if first.size:
+                y = np.minimum(sign * x, end)
                 top, _ = _range(y, first, last)
                 side = ((last - first) * MIDDLE).astype(np.intp)
                 most, least = _range(y, first + side, last - side)
@@ -701,7 +702,7 @@ class _Long:
         self.least, self.kept = least, list[tuple[int, int, float]]()
 
     def add(self, flags: BoolArray, start: int, values: FloatArray) -> None:
-        edge = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+        edge = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
         first, last = edge[::2], edge[1::2]
         runs = list(
             zip(
@@ -732,18 +733,19 @@ class _Crests:
     def __init__(self) -> None:
         self.rows: FloatArray = np.empty((0, 5))
 
-    def add(
-        self, x: FloatArray, first: IntArray, last: IntArray, *, reach: int, start: int, size: int
-    ) -> None:
-        """Enter the crests among runs of one value (k,) of samples that begin within a piece."""
+    def add(self, x: FloatArray, edge: IntArray, *, reach: int, start: int, size: int) -> None:
+        """Enter the crests that begin within a piece, of which each `edge` (k,) begins a value."""
         bar = self.rows[:, 0].min() if len(self.rows) >= CRESTS else -np.inf
-        mine = (first >= max(reach, 3)) & (first < reach + size) & (last < x.size - 3)
-        mine &= x[first] >= bar
-        first, last = first[mine], last[mine]
+        begin = max(reach, 3)
+        mine = x[begin : reach + size]
+        first = np.flatnonzero((mine >= bar) & (mine > x[begin - 1 : reach + size - 1])) + begin
+        after = np.searchsorted(edge, first, "right")
+        first = first[after < edge.size]
+        last = edge[after[: first.size]]
+        first, last = first[last < x.size - 3], last[last < x.size - 3]
         rise, fall = x[first] - x[first - 1], x[last - 1] - x[last]
-        high = (rise > 0) & (fall > 0)
-        first, last = first[high], last[high]
-        drop = np.minimum(rise, fall)[high]
+        first, last = first[fall > 0], last[fall > 0]
+        drop = np.minimum(rise, fall)[fall > 0]
         crown = _both_crowns(x, first, last).mean(axis=-1)
         columns = (x[first], first + start, last + start, drop, crown)
         fresh = np.stack([np.asarray(c, float) for c in columns], -1)
