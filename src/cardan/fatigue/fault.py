@@ -269,7 +269,7 @@ class Finder:
         self.last = float(x[-1])
 
     def _plateaus(self, x: FloatArray, offset: int, size: int) -> None:
-        edge = np.flatnonzero(np.diff(x) != 0) + 1
+        edge = np.flatnonzero(x[1:] != x[:-1]) + 1
         self._neighbours(edge, offset, size)
         for sign, book in self.crests.items():
             book.add(sign * x, edge, reach=self.reach, start=offset, size=size)

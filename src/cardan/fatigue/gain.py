@@ -63,7 +63,7 @@ class Ratios:
         """Take samples (channels, n) without holes."""
         if self.count < 2 or len(self.edges) <= BANDS:
             return
-        whole = np.concatenate([self.tail, x.astype(np.float32)], axis=-1, dtype=np.float32)
+        whole = np.concatenate([self.tail, x], axis=-1, dtype=np.float32)
         full = whole.shape[-1] // self.size * self.size
         self.tail = whole[:, full:].copy()
         if not full:
