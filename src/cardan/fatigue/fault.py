@@ -269,13 +269,13 @@ class Finder:
         self.last = float(x[-1])
 
     def _plateaus(self, x: FloatArray, offset: int, size: int) -> None:
-        edge = np.flatnonzero(x[1:] != x[:-1]) + 1
-        self._neighbours(edge, offset, size)
+        same = np.flatnonzero(x[1:] == x[:-1])
+        begin = np.flatnonzero(np.diff(same, prepend=-2) > 1)
+        first, last = same[begin], same[np.append(begin[1:], same.size)[: begin.size] - 1] + 2
+        self._neighbours(first, last, offset, size, end=x.size)
         for sign, book in self.crests.items():
-            book.add(sign * x, edge, reach=self.reach, start=offset, size=size)
-        level = np.flatnonzero(edge[1:] - edge[:-1] >= 2)
-        first, last = edge[level], edge[level + 1]
-        mine = (last - first < self.reach - 4)
+            book.add(sign * x, first, last, reach=self.reach, start=offset, size=size)
+        mine = last - first < self.reach - 4
         mine &= (first >= self.reach) & (first < self.reach + size)
         first, last = first[mine], last[mine]
         inside = (first > 1) & (last < x.size - 1)
@@ -321,14 +321,17 @@ class Finder:
                 kept = np.concatenate([kept, fresh])
             self.blunt[sign] = kept
 
-    def _neighbours(self, edge: IntArray, offset: int, size: int) -> None:
+    def _neighbours(
+        self, first: IntArray, last: IntArray, offset: int, size: int, *, end: int
+    ) -> None:
         """Enter, by its edges, how long the values beside a value that stands long stood."""
-        length = np.diff(edge)
-        long = np.flatnonzero(length[1:-1] >= self.still.least) + 1
-        for k in long.tolist():
-            for at, beside in ((k, length[k - 1]), (k + 1, length[k + 1])):
-                if 0 <= edge[at] - self.reach < size:
-                    self.beside[int(edge[at] + offset)] = int(beside)
+        for k in np.flatnonzero(last - first >= self.still.least):
+            before = first[k] - first[k - 1] if k and last[k - 1] == first[k] else 1
+            behind = last[k + 1] - last[k] if last[k] in first[k + 1 : k + 2] else 1
+            if before < first[k] and last[k] + behind < end:
+                for at, beside in ((first[k], before), (last[k], behind)):
+                    if 0 <= at - self.reach < size:
+                        self.beside[int(at + offset)] = int(beside)
 
     def found(self, *, typical: float) -> Mapping[str, Places]:
         """Return the places of each kind that is there.
@@ -598,12 +601,13 @@ def torn(x: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
     apart = np.zeros_like(x)
     apart[1:-2] = step[1:-1] - (step[:-2] + step[2:]) / 2
     size, near = np.abs(apart), np.abs(step)
-    at = np.flatnonzero(_loud(size, gap=2, least=TORN, share=0.5).all(0))
+    may = _loud(size, gap=2, least=TORN, share=0.5).all(0)
+    # What was hit goes on about as fast.
+    may[1:-2] &= size[1:-2] > TORN_MOVES * np.maximum(near[:-2], near[2:])
+    at = np.flatnonzero(may)
     half = apart[at] / 2
     beside = np.maximum(np.abs(apart[at - 1] + half), np.abs(apart[at + 1] + half))
     at = at[beside < TORN_ALONE * size[at]]
-    # What was hit goes on about as fast.
-    at = at[size[at] > TORN_MOVES * np.maximum(near[at - 1], near[at + 1])]
     at = at[size[at] > 2 * np.maximum(size[at - 3], size[at + 3])]
     for way in (-1, 1):
         at = _outstanding(size, at, way, gap=2, least=TORN, share=0.5)
@@ -689,6 +693,8 @@ def _outstanding(
     share: float = 0.9,
 ) -> IntArray:  # fmt: skip
     """Those jumps that stand out of a share of the steps before them (way -1) or behind (1)."""
+    if not at.size:
+        return at
     first = at + 1 + gap if way > 0 else at - gap - QUIET
     near = np.lib.stride_tricks.sliding_window_view(size, QUIET)[first]
     usual = np.partition(near, int(share * QUIET), axis=-1)[:, int(share * QUIET)]
@@ -733,19 +739,23 @@ class _Crests:
     def __init__(self) -> None:
         self.rows: FloatArray = np.empty((0, 5))
 
-    def add(self, x: FloatArray, edge: IntArray, *, reach: int, start: int, size: int) -> None:
-        """Enter the crests that begin within a piece, of which each `edge` (k,) begins a value."""
+    def add(
+        self, x: FloatArray, begin: IntArray, end: IntArray, *, reach: int, start: int, size: int
+    ) -> None:
+        """Enter the crests that begin within a piece, level or not: what is level is known (k,)."""
         bar = self.rows[:, 0].min() if len(self.rows) >= CRESTS else -np.inf
-        begin = max(reach, 3)
-        mine = x[begin : reach + size]
-        first = np.flatnonzero((mine >= bar) & (mine > x[begin - 1 : reach + size - 1])) + begin
-        after = np.searchsorted(edge, first, "right")
-        first = first[after < edge.size]
-        last = edge[after[: first.size]]
+        least = max(reach, 3)
+        mine = x[least : reach + size]
+        first = np.flatnonzero((mine >= bar) & (mine > x[least - 1 : reach + size - 1])) + least
+        last = first + 1
+        _, here, level = np.intersect1d(first, begin, assume_unique=True, return_indices=True)
+        last[here] = end[level]
         first, last = first[last < x.size - 3], last[last < x.size - 3]
-        rise, fall = x[first] - x[first - 1], x[last - 1] - x[last]
-        first, last = first[fall > 0], last[fall > 0]
-        drop = np.minimum(rise, fall)[fall > 0]
+        first, last = first[x[last - 1] > x[last]], last[x[last - 1] > x[last]]
+        if first.size > CRESTS:
+            high = x[first] >= np.partition(x[first], -CRESTS)[-CRESTS]
+            first, last = first[high], last[high]
+        drop = np.minimum(x[first] - x[first - 1], x[last - 1] - x[last])
         crown = _both_crowns(x, first, last).mean(axis=-1)
         columns = (x[first], first + start, last + start, drop, crown)
         fresh = np.stack([np.asarray(c, float) for c in columns], -1)
