@@ -242,13 +242,14 @@ class Finder:
             highest, lowest = np.maximum.reduceat(plain, edge), np.minimum.reduceat(plain, edge)
             self.reached.append(np.stack([highest, -lowest]))
         offset = self.start - margin
-        jumps = _jumps(filled, longest=margin - QUIET - 4)
+        moves = {lag: _moves(filled, lag) for lag in self.widths}
+        jumps = _jumps(filled, *moves[1], longest=margin - QUIET - 4)
         pricks, heights = _pricks(filled)
         apart = ~_touching(pricks, union([jumps[0]]))
         for runs, sizes in (jumps, (pricks[apart], heights[apart])):
             mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
             self.jumps.append((runs[mine] + offset, sizes[mine]))
-        runs, sizes = _steps(filled, widths=self.widths)
+        runs, sizes = _steps(moves)
         mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
         self.steps.append((runs[mine] + offset, sizes[mine]))
         runs, sizes, heights = torn(filled)
@@ -535,17 +536,23 @@ def _both_crowns(x: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
     return slopes * (width[:, None] + 1) / 4
 
 
-def _jumps(x: FloatArray, *, longest: int) -> tuple[IntArray, FloatArray]:
+def _moves(x: FloatArray, lag: int) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return how x moves within so many samples, the size of it, and where it is `_loud`."""
+    d = x[lag:] - x[:-lag]
+    size = np.abs(d)
+    return d, size, _loud(size, gap=lag)
+
+
+def _jumps(
+    x: FloatArray, d: FloatArray, size: FloatArray, loud: BoolArray, *, longest: int
+) -> tuple[IntArray, FloatArray]:
     """Return runs (k, 2) of samples that jump off and back, level between and quiet on both sides.
 
-    A ring is not quiet behind, a blow is not level: neither is one.
+    Of x and its `_moves` by a sample. A ring is not quiet behind, a blow is not level: neither is
+    one.
     """
     none = np.empty((0, 2), np.intp), np.empty(0)
-    d = np.diff(x)
-    size = np.abs(d)
-    if size.size <= 2 * QUIET + 8:
-        return none
-    off, back = map(np.flatnonzero, _loud(size))
+    off, back = map(np.flatnonzero, loud)
     off = off[size[off] > 5 * np.maximum(size[off - 1], size[off - 2])]
     back = back[size[back] > 5 * np.maximum(size[back + 1], size[back + 2])]
     off, back = _outstanding(size, off, -1), _outstanding(size, back, 1)
@@ -575,13 +582,13 @@ def _pricks(x: FloatArray) -> tuple[IntArray, FloatArray]:
     by itself spoils the foretelling of these as well, by two thirds and with the other sign; a
     blow, however short, has flanks.
     """
-    if x.size <= 2 * (QUIET + 8):
-        return np.empty((0, 2), np.intp), np.empty(0)
     off = np.zeros_like(x)
     off[2:-2] = x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6
     size = np.abs(off)
     at = np.flatnonzero(_loud(size, gap=2, least=FORETOLD).all(0))
-    beside = np.maximum(np.abs(off[at - 1] + 2 / 3 * off[at]), np.abs(off[at + 1] + 2 / 3 * off[at]))
+    beside = np.maximum(
+        np.abs(off[at - 1] + 2 / 3 * off[at]), np.abs(off[at + 1] + 2 / 3 * off[at])
+    )
     at = at[beside < ALONE * size[at]]
     for way in (-1, 1):
         at = _outstanding(size, at, way, gap=2, least=FORETOLD)
@@ -595,13 +602,11 @@ def torn(x: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
     and behind but for that jump. Whatever bends and swings about it, a structure that was hit goes
     on to move; a wire that was touched, a bit that stands still or a code that ran over does not.
     """
-    if x.size <= 2 * (QUIET + 8):
-        return np.empty((0, 2), np.intp), np.empty(0), np.empty(0)
     step = np.diff(x)
     apart = np.zeros_like(x)
     apart[1:-2] = step[1:-1] - (step[:-2] + step[2:]) / 2
     size, near = np.abs(apart), np.abs(step)
-    may = _loud(size, gap=2, least=TORN, share=0.5).all(0)
+    may = np.logical_and(*_loud(size, gap=2, least=TORN, share=0.5))
     # What was hit goes on about as fast.
     may[1:-2] &= size[1:-2] > TORN_MOVES * np.maximum(near[:-2], near[2:])
     at = np.flatnonzero(may)
@@ -643,26 +648,26 @@ def _factors(
     return factors
 
 
-def _steps(x: FloatArray, *, widths: tuple[int, ...]) -> tuple[IntArray, FloatArray]:
+def _steps(
+    moves: Mapping[int, tuple[FloatArray, FloatArray, BoolArray]],
+) -> tuple[IntArray, FloatArray]:
     """Return runs (k, 2) in which the level becomes another, calm on both sides, by how much.
 
     Within so many samples: at once, or in the few that a filter makes of it.
     """
-    found = [_stepped(x, lag) for lag in widths]
+    found = [_stepped(*of, lag) for lag, of in moves.items()]
     runs, sizes = (np.concatenate(part) for part in zip(*found, strict=True))
     first = ~_touching(runs, union([found[0][0]])) | (np.arange(len(runs)) < len(found[0][0]))
     order = np.argsort(runs[first, 0], kind="stable")
     return runs[first][order], sizes[first][order]
 
 
-def _stepped(x: FloatArray, lag: int) -> tuple[IntArray, FloatArray]:
+def _stepped(
+    d: FloatArray, size: FloatArray, loud: BoolArray, lag: int
+) -> tuple[IntArray, FloatArray]:
     """Return the same of those that take so many samples."""
-    d = x[lag:] - x[:-lag]
-    size = np.abs(d)
-    if size.size <= 2 * QUIET + 8 * lag:
-        return np.empty((0, 2), np.intp), np.empty(0)
     calm = 5 if lag == 1 else 3  # a filter overshoots
-    at = np.flatnonzero(_loud(size, gap=lag).all(0))
+    at = np.flatnonzero(loud.all(0))
     at = at[size[at] > calm * np.maximum(size[at - lag], size[at + lag])]
     for k in range(1, lag):  # the middle of the way
         at = at[size[at] >= np.maximum(size[at - k], size[at + k])]
@@ -674,13 +679,15 @@ def _loud(
     size: FloatArray, *, gap: int = 1, least: float = OUTSTANDING, share: float = 0.9
 ) -> BoolArray:
     """Return which jumps may be `_outstanding`, (2, n): before them, and behind. No others are."""
-    # In each of as many sets as steps are usual or larger one is as large as the least of the
-    # largest: so is what is usual.
+    loud = np.zeros((2, size.size), bool)
+    if size.size <= 2 * QUIET + 8 * gap:
+        return loud
+    # In as many sets as steps are usual or larger: what is largest in each is the least of these
+    # at least, and so is what is usual.
     low, count = size, QUIET - int(share * QUIET)
     for k in (1, 2, 4, 8, 16):
         low = (np.maximum if 2 * k * count <= QUIET else np.minimum)(low[:-k], low[k:])
     low *= least
-    loud = np.zeros((2, size.size), bool)
     first = gap + QUIET
     jumps = size[first:-first]
     np.greater(jumps, low[: jumps.size], out=loud[0, first:-first])
@@ -696,7 +703,7 @@ def _outstanding(
     if not at.size:
         return at
     first = at + 1 + gap if way > 0 else at - gap - QUIET
-    near = np.lib.stride_tricks.sliding_window_view(size, QUIET)[first]
+    near = size[first[:, None] + np.arange(QUIET)]
     usual = np.partition(near, int(share * QUIET), axis=-1)[:, int(share * QUIET)]
     return at[size[at] > least * usual]
 
