@@ -382,12 +382,12 @@ class _Survey:
 
     def add(self, padded: FloatArray) -> None:
         x = padded[self.reach : padded.size - self.reach]
-        known = x[~np.isnan(x)]
+        missing = np.isnan(x)
+        known = x[~missing] if missing.any() else x
         # Not before it: that is a mirror's, or of a piece that was looked at.
         ahead = padded[self.reach :]
-        beyond = np.abs(ahead) >= BEYOND
-        if beyond.any():
-            where = int(np.argmax(beyond))
+        if np.fmax(np.fmax.reduce(ahead), -np.fmin.reduce(ahead)) >= BEYOND:
+            where = int(np.argmax(np.abs(ahead) >= BEYOND))
             place = self.samples + where
             msg = (
                 f"samples must be finite or missing (nan), got {ahead[where]:g} at sample "
@@ -419,10 +419,10 @@ class _Survey:
         """Enter what crests lose between samples, the fifth power of their height their weight."""
         before, at, behind = x[:-2], x[1:-1], x[2:]
         crest = np.flatnonzero((at - before) * (at - behind) > 0)
-        y, a, b = at[crest], before[crest], behind[crest]
-        height = np.abs(y - medians(x[None])[0])
+        height = np.abs(at[crest] - medians(x[None])[0])
         tall = height > 0.5 * height.max(initial=0.0)
-        y, a, b, height = y[tall], a[tall], b[tall], height[tall]
+        height, crest = height[tall], crest[tall]
+        y, a, b = at[crest], before[crest], behind[crest]
         lost = (a - b) ** 2 / (8 * np.abs(2 * y - a - b))
         self.crests += float((height**5).sum())
         self.losses += float((height**4 * lost).sum())

@@ -234,20 +234,22 @@ class Finder:
         if written.any():
             at = np.flatnonzero(written)
             self.sentinels.append((at + self.start, x[at]))
-        plain = x[~written & ~missing]
+        spoiled = written | missing
+        plain = x[~spoiled] if spoiled.any() else x
         if plain.size:
             self.low, self.high = min(self.low, plain.min()), max(self.high, plain.max())
             edge = np.arange(0, plain.size, BLOCK)
             highest, lowest = np.maximum.reduceat(plain, edge), np.minimum.reduceat(plain, edge)
             self.reached.append(np.stack([highest, -lowest]))
         offset = self.start - margin
-        jumps = _jumps(filled, longest=margin - QUIET - 4)
+        moves = {lag: _moves(filled, lag) for lag in self.widths}
+        jumps = _jumps(filled, *moves[1], longest=margin - QUIET - 4)
         pricks, heights = _pricks(filled)
         apart = ~_touching(pricks, union([jumps[0]]))
         for runs, sizes in (jumps, (pricks[apart], heights[apart])):
             mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
             self.jumps.append((runs[mine] + offset, sizes[mine]))
-        runs, sizes = _steps(filled, widths=self.widths)
+        runs, sizes = _steps(moves)
         mine = (runs[:, 0] >= margin) & (runs[:, 0] < margin + x.size)
         self.steps.append((runs[mine] + offset, sizes[mine]))
         runs, sizes, heights = torn(filled)
@@ -258,25 +260,25 @@ class Finder:
         self.start += x.size
 
     def _still(self, x: FloatArray) -> None:
-        move = np.diff(np.concatenate([[self.last], x]))
+        move = np.abs(np.diff(x, prepend=self.last))
         self.still.add(move == 0, self.start, x)
-        moved = np.abs(move[move != 0])
-        moved = moved[~np.isnan(moved)]
-        self.changes += moved.size
-        if moved.size:
-            self.step = min(self.step, float(moved.min()))
+        moved = move > 0
+        self.changes += np.count_nonzero(moved)
+        least = np.fmin.reduce(move, initial=np.inf)
+        least = least if least > 0 else move[moved].min(initial=np.inf)
+        self.step = min(self.step, float(least))
         self.last = float(x[-1])
 
     def _plateaus(self, x: FloatArray, offset: int, size: int) -> None:
-        edge = np.flatnonzero(np.diff(x) != 0) + 1
-        self._neighbours(edge, offset, size)
-        first, last = edge[:-1], edge[1:]
+        same = np.flatnonzero(x[1:] == x[:-1])
+        begin = np.flatnonzero(np.diff(same, prepend=-2) > 1)
+        first, last = same[begin], same[np.append(begin[1:], same.size)[: begin.size] - 1] + 2
+        self._neighbours(first, last, offset, size, end=x.size)
         for sign, book in self.crests.items():
             book.add(sign * x, first, last, reach=self.reach, start=offset, size=size)
-        width = last - first
-        long = (width >= 2) & (width < self.reach - 4)
-        long &= (first >= self.reach) & (first < self.reach + size)
-        first, last = first[long], last[long]
+        mine = last - first < self.reach - 4
+        mine &= (first >= self.reach) & (first < self.reach + size)
+        first, last = first[mine], last[mine]
         inside = (first > 1) & (last < x.size - 1)
         first, last = first[inside], last[inside]
         rise, fall = x[first] - x[first - 1], x[last - 1] - x[last]
@@ -299,8 +301,7 @@ class Finder:
             return
         for sign, end in ((1, self.high), (-1, -self.low)):
             level = end - NEARLY * span
-            y = np.minimum(sign * x, end)
-            high = y >= level
+            high = sign * x >= level
             edge = np.flatnonzero(high[1:] != high[:-1]) + 1
             first, last = edge[high[edge]], edge[~high[edge]]
             last = last[np.searchsorted(last, first[:1], "right")[0] if first.size else 0 :]
@@ -311,6 +312,7 @@ class Finder:
             old = self.blunt[sign]
             kept = old[old[:, 2] >= level]
             if first.size:
+                y = np.minimum(sign * x, end)
                 top, _ = _range(y, first, last)
                 side = ((last - first) * MIDDLE).astype(np.intp)
                 most, least = _range(y, first + side, last - side)
@@ -320,14 +322,17 @@ class Finder:
                 kept = np.concatenate([kept, fresh])
             self.blunt[sign] = kept
 
-    def _neighbours(self, edge: IntArray, offset: int, size: int) -> None:
+    def _neighbours(
+        self, first: IntArray, last: IntArray, offset: int, size: int, *, end: int
+    ) -> None:
         """Enter, by its edges, how long the values beside a value that stands long stood."""
-        length = np.diff(edge)
-        long = np.flatnonzero(length[1:-1] >= self.still.least) + 1
-        for k in long.tolist():
-            for at, beside in ((k, length[k - 1]), (k + 1, length[k + 1])):
-                if 0 <= edge[at] - self.reach < size:
-                    self.beside[int(edge[at] + offset)] = int(beside)
+        for k in np.flatnonzero(last - first >= self.still.least):
+            before = first[k] - first[k - 1] if k and last[k - 1] == first[k] else 1
+            behind = last[k + 1] - last[k] if last[k] in first[k + 1 : k + 2] else 1
+            if before < first[k] and last[k] + behind < end:
+                for at, beside in ((first[k], before), (last[k], behind)):
+                    if 0 <= at - self.reach < size:
+                        self.beside[int(at + offset)] = int(beside)
 
     def found(self, *, typical: float) -> Mapping[str, Places]:
         """Return the places of each kind that is there.
@@ -531,20 +536,26 @@ def _both_crowns(x: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
     return slopes * (width[:, None] + 1) / 4
 
 
-def _jumps(x: FloatArray, *, longest: int) -> tuple[IntArray, FloatArray]:
+def _moves(x: FloatArray, lag: int) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return how x moves within so many samples, the size of it, and where it is `_loud`."""
+    d = x[lag:] - x[:-lag]
+    size = np.abs(d)
+    return d, size, _loud(size, gap=lag)
+
+
+def _jumps(
+    x: FloatArray, d: FloatArray, size: FloatArray, loud: BoolArray, *, longest: int
+) -> tuple[IntArray, FloatArray]:
     """Return runs (k, 2) of samples that jump off and back, level between and quiet on both sides.
 
-    A ring is not quiet behind, a blow is not level: neither is one.
+    Of x and its `_moves` by a sample. A ring is not quiet behind, a blow is not level: neither is
+    one.
     """
     none = np.empty((0, 2), np.intp), np.empty(0)
-    d = np.diff(x)
-    size = np.abs(d)
-    if size.size <= 2 * QUIET + 8:
-        return none
-    calm_before = size[2:] > 5 * np.maximum(size[1:-1], size[:-2])
-    calm_behind = size[:-2] > 5 * np.maximum(size[1:-1], size[2:])
-    off = _outstanding(size, np.flatnonzero(calm_before) + 2, -1)
-    back = _outstanding(size, np.flatnonzero(calm_behind), 1)
+    off, back = map(np.flatnonzero, loud)
+    off = off[size[off] > 5 * np.maximum(size[off - 1], size[off - 2])]
+    back = back[size[back] > 5 * np.maximum(size[back + 1], size[back + 2])]
+    off, back = _outstanding(size, off, -1), _outstanding(size, back, 1)
     if not (off.size and back.size):
         return none
     near = np.searchsorted(back, off, "right")
@@ -571,13 +582,14 @@ def _pricks(x: FloatArray) -> tuple[IntArray, FloatArray]:
     by itself spoils the foretelling of these as well, by two thirds and with the other sign; a
     blow, however short, has flanks.
     """
-    if x.size <= 2 * (QUIET + 8):
-        return np.empty((0, 2), np.intp), np.empty(0)
     off = np.zeros_like(x)
     off[2:-2] = x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6
     size = np.abs(off)
-    beside = np.maximum(np.abs(off[:-2] + 2 / 3 * off[1:-1]), np.abs(off[2:] + 2 / 3 * off[1:-1]))
-    at = np.flatnonzero(beside < ALONE * size[1:-1]) + 1
+    at = np.flatnonzero(_loud(size, gap=2, least=FORETOLD).all(0))
+    beside = np.maximum(
+        np.abs(off[at - 1] + 2 / 3 * off[at]), np.abs(off[at + 1] + 2 / 3 * off[at])
+    )
+    at = at[beside < ALONE * size[at]]
     for way in (-1, 1):
         at = _outstanding(size, at, way, gap=2, least=FORETOLD)
     return np.stack([at, at + 1], -1), off[at]
@@ -590,18 +602,17 @@ def torn(x: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
     and behind but for that jump. Whatever bends and swings about it, a structure that was hit goes
     on to move; a wire that was touched, a bit that stands still or a code that ran over does not.
     """
-    if x.size <= 2 * (QUIET + 8):
-        return np.empty((0, 2), np.intp), np.empty(0), np.empty(0)
     step = np.diff(x)
     apart = np.zeros_like(x)
     apart[1:-2] = step[1:-1] - (step[:-2] + step[2:]) / 2
-    size, half = np.abs(apart), apart[1:-1] / 2
-    beside = np.maximum(np.abs(apart[:-2] + half), np.abs(apart[2:] + half))
-    at = np.flatnonzero(beside < TORN_ALONE * size[1:-1]) + 1
-    at = at[(at > 4) & (at < x.size - 5)]
+    size, near = np.abs(apart), np.abs(step)
+    may = np.logical_and(*_loud(size, gap=2, least=TORN, share=0.5))
     # What was hit goes on about as fast.
-    near = np.abs(step)
-    at = at[size[at] > TORN_MOVES * np.maximum(near[at - 1], near[at + 1])]
+    may[1:-2] &= size[1:-2] > TORN_MOVES * np.maximum(near[:-2], near[2:])
+    at = np.flatnonzero(may)
+    half = apart[at] / 2
+    beside = np.maximum(np.abs(apart[at - 1] + half), np.abs(apart[at + 1] + half))
+    at = at[beside < TORN_ALONE * size[at]]
     at = at[size[at] > 2 * np.maximum(size[at - 3], size[at + 3])]
     for way in (-1, 1):
         at = _outstanding(size, at, way, gap=2, least=TORN, share=0.5)
@@ -637,31 +648,51 @@ def _factors(
     return factors
 
 
-def _steps(x: FloatArray, *, widths: tuple[int, ...]) -> tuple[IntArray, FloatArray]:
+def _steps(
+    moves: Mapping[int, tuple[FloatArray, FloatArray, BoolArray]],
+) -> tuple[IntArray, FloatArray]:
     """Return runs (k, 2) in which the level becomes another, calm on both sides, by how much.
 
     Within so many samples: at once, or in the few that a filter makes of it.
     """
-    found = [_stepped(x, lag) for lag in widths]
+    found = [_stepped(*of, lag) for lag, of in moves.items()]
     runs, sizes = (np.concatenate(part) for part in zip(*found, strict=True))
     first = ~_touching(runs, union([found[0][0]])) | (np.arange(len(runs)) < len(found[0][0]))
     order = np.argsort(runs[first, 0], kind="stable")
     return runs[first][order], sizes[first][order]
 
 
-def _stepped(x: FloatArray, lag: int) -> tuple[IntArray, FloatArray]:
+def _stepped(
+    d: FloatArray, size: FloatArray, loud: BoolArray, lag: int
+) -> tuple[IntArray, FloatArray]:
     """Return the same of those that take so many samples."""
-    d = x[lag:] - x[:-lag]
-    size = np.abs(d)
-    if size.size <= 2 * QUIET + 8 * lag:
-        return np.empty((0, 2), np.intp), np.empty(0)
     calm = 5 if lag == 1 else 3  # a filter overshoots
-    alone = size[lag:-lag] > calm * np.maximum(size[: -2 * lag], size[2 * lag :])
+    at = np.flatnonzero(loud.all(0))
+    at = at[size[at] > calm * np.maximum(size[at - lag], size[at + lag])]
     for k in range(1, lag):  # the middle of the way
-        alone &= size[lag:-lag] >= np.maximum(size[lag - k : -lag - k], size[lag + k : k - lag])
-    at = np.flatnonzero(alone) + lag
+        at = at[size[at] >= np.maximum(size[at - k], size[at + k])]
     at = _outstanding(size, _outstanding(size, at, -1, gap=lag), 1, gap=lag)
     return np.stack([at + 1, at + 1 + lag], -1), d[at]
+
+
+def _loud(
+    size: FloatArray, *, gap: int = 1, least: float = OUTSTANDING, share: float = 0.9
+) -> BoolArray:
+    """Return which jumps may be `_outstanding`, (2, n): before them, and behind. No others are."""
+    loud = np.zeros((2, size.size), bool)
+    if size.size <= 2 * QUIET + 8 * gap:
+        return loud
+    # In as many sets as steps are usual or larger: what is largest in each is the least of these
+    # at least, and so is what is usual.
+    low, count = size, QUIET - int(share * QUIET)
+    for k in (1, 2, 4, 8, 16):
+        low = (np.maximum if 2 * k * count <= QUIET else np.minimum)(low[:-k], low[k:])
+    low *= least
+    first = gap + QUIET
+    jumps = size[first:-first]
+    np.greater(jumps, low[: jumps.size], out=loud[0, first:-first])
+    np.greater(jumps, low[-jumps.size :], out=loud[1, first:-first])
+    return loud
 
 
 def _outstanding(
@@ -669,12 +700,10 @@ def _outstanding(
     share: float = 0.9,
 ) -> IntArray:  # fmt: skip
     """Those jumps that stand out of a share of the steps before them (way -1) or behind (1)."""
-    first = at + 1 + gap if way > 0 else at - gap - QUIET
-    inside = (first >= 0) & (first + QUIET <= size.size)
-    at, first = at[inside], first[inside]
     if not at.size:
         return at
-    near = np.lib.stride_tricks.sliding_window_view(size, QUIET)[first]
+    first = at + 1 + gap if way > 0 else at - gap - QUIET
+    near = size[first[:, None] + np.arange(QUIET)]
     usual = np.partition(near, int(share * QUIET), axis=-1)[:, int(share * QUIET)]
     return at[size[at] > least * usual]
 
@@ -686,7 +715,7 @@ class _Long:
         self.least, self.kept = least, list[tuple[int, int, float]]()
 
     def add(self, flags: BoolArray, start: int, values: FloatArray) -> None:
-        edge = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+        edge = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
         first, last = edge[::2], edge[1::2]
         runs = list(
             zip(
@@ -718,17 +747,22 @@ class _Crests:
         self.rows: FloatArray = np.empty((0, 5))
 
     def add(
-        self, x: FloatArray, first: IntArray, last: IntArray, *, reach: int, start: int, size: int
+        self, x: FloatArray, begin: IntArray, end: IntArray, *, reach: int, start: int, size: int
     ) -> None:
-        """Enter the crests among runs of one value (k,) of samples that begin within a piece."""
+        """Enter the crests that begin within a piece, level or not: what is level is known (k,)."""
         bar = self.rows[:, 0].min() if len(self.rows) >= CRESTS else -np.inf
-        mine = (first >= max(reach, 3)) & (first < reach + size) & (last < x.size - 3)
-        mine &= x[first] >= bar
-        first, last = first[mine], last[mine]
-        rise, fall = x[first] - x[first - 1], x[last - 1] - x[last]
-        high = (rise > 0) & (fall > 0)
-        first, last = first[high], last[high]
-        drop = np.minimum(rise, fall)[high]
+        least = max(reach, 3)
+        mine = x[least : reach + size]
+        first = np.flatnonzero((mine >= bar) & (mine > x[least - 1 : reach + size - 1])) + least
+        last = first + 1
+        _, here, level = np.intersect1d(first, begin, assume_unique=True, return_indices=True)
+        last[here] = end[level]
+        first, last = first[last < x.size - 3], last[last < x.size - 3]
+        first, last = first[x[last - 1] > x[last]], last[x[last - 1] > x[last]]
+        if first.size > CRESTS:
+            high = x[first] >= np.partition(x[first], -CRESTS)[-CRESTS]
+            first, last = first[high], last[high]
+        drop = np.minimum(x[first] - x[first - 1], x[last - 1] - x[last])
         crown = _both_crowns(x, first, last).mean(axis=-1)
         columns = (x[first], first + start, last + start, drop, crown)
         fresh = np.stack([np.asarray(c, float) for c in columns], -1)

@@ -63,7 +63,7 @@ class Ratios:
         """Take samples (channels, n) without holes."""
         if self.count < 2 or len(self.edges) <= BANDS:
             return
-        whole = np.concatenate([self.tail, x.astype(np.float32)], axis=-1, dtype=np.float32)
+        whole = np.concatenate([self.tail, x], axis=-1, dtype=np.float32)
         full = whole.shape[-1] // self.size * self.size
         self.tail = whole[:, full:].copy()
         if not full:
@@ -146,12 +146,7 @@ def _changes(
     """Return the same of the logarithm of a ratio and its sign (m, b), in one look at it."""
     if len(ratio) < 2 * fewest:
         return []
-    sides = [_windows(x, about) for x in (ratio, sign)]
-    parts = [slice(k, k + BLOCK) for k in range(0, len(sides[0][0]), BLOCK)]
-    looked = [
-        _looked(*(w[p] for of in sides for w in of), fewest=fewest, least=least) for p in parts
-    ]
-    by, clear = (np.concatenate(part) for part in zip(*looked, strict=True))
+    by, clear = _looked(_windows(ratio, about), _windows(sign, about), fewest=fewest, least=least)
     kept: list[tuple[int, float]] = []
     for place in np.argsort(-clear, kind="stable"):
         k, factor = int(place) * (about // OFTEN), float(by[place])
@@ -163,43 +158,56 @@ def _changes(
     return sorted(kept)
 
 
-def _windows(x: FloatArray, about: int) -> tuple[FloatArray, FloatArray]:
-    """Return what lies before and behind spans (m, b), as many as are looked at: (k, b, about)."""
+def _windows(x: FloatArray, about: int) -> FloatArray:
+    """Return windows of spans (m, b), as many as are looked at, (k, b, about).
+
+    What lies behind a span is `OFTEN` windows behind what lies before it.
+    """
     pad = np.full((about, x.shape[-1]), np.nan)
     every = np.lib.stride_tricks.sliding_window_view(np.vstack([pad, x, pad]), about, axis=0)
-    return every[: -about : about // OFTEN], every[about :: about // OFTEN]
+    return every[:: about // OFTEN]
 
 
 def _looked(
-    before: FloatArray, behind: FloatArray, sign: FloatArray, turned: FloatArray, *,
-    fewest: int, least: float,
-) -> tuple[FloatArray, FloatArray]:  # fmt: skip
+    ratios: FloatArray, signs: FloatArray, *, fewest: int, least: float
+) -> tuple[FloatArray, FloatArray]:
     """Return by what a gain changes at spans (k,), 1 where none does, and how clearly.
 
-    Logarithms of the ratio on both sides (k, b, spans), and which way round the two are.
+    Windows (k + OFTEN, b, spans) of logarithms of the ratio, and of which way round the two are.
     """
-    (a, n, e), (b, m, f) = map(_middle, (before, behind))
-    heard = (n >= fewest) & (m >= fewest)
-    change, error = np.where(heard, b - a, 0.0), np.where(heard, np.hypot(e, f), np.inf)
+    parts = [slice(k, k + BLOCK) for k in range(0, len(ratios), BLOCK)]
+    each = [(*_middle(ratios[p]), _mean(ratios[p]), _mean(signs[p])) for p in parts]
+    middle, count, doubt, mean, way = map(np.concatenate, zip(*each, strict=True))
+    heard = (count[:-OFTEN] >= fewest) & (count[OFTEN:] >= fewest)
+    change = np.where(heard, middle[OFTEN:] - middle[:-OFTEN], 0.0)
+    error = np.where(heard, np.hypot(doubt[:-OFTEN], doubt[OFTEN:]), np.inf)
     common = _weighted_median(change, 1 / error)
     size = np.abs(common)[:, None]
     says = heard & (error < size / SURE)
     same = says & (np.abs(change - common[:, None]) <= AGREED * size + ERRORS * error)
-    rest = np.concatenate([before - a[..., None], behind - b[..., None]], -1)
-    together = np.abs(_median(np.moveaxis(np.where(says[..., None], rest, np.nan), 1, 2))[0])
-    off, count = _median(together)
-    steady = (together >= size).sum(-1) <= (1 - USUAL) * count
-    steady &= size[:, 0] > TOGETHER * 2 * ERROR * off / np.sqrt(np.maximum(count, 1))
-    over = np.where(heard, _mean(sign) * _mean(turned), 0.0)
+    larger = _most(same, says) & (size[:, 0] > least)
+    at = np.flatnonzero(larger)
+    for k in (at[k : k + BLOCK] for k in range(0, at.size, BLOCK)):
+        rest = [ratios[i] - middle[i][..., None] for i in (k, k + OFTEN)]
+        larger[k] = _steady(np.concatenate(rest, -1), says[k], size[k])
+    over = np.where(heard, way[:-OFTEN] * way[OFTEN:], 0.0)
     inverted = _most(over < -ONE_WAY, np.abs(over) > ONE_WAY)
-    larger = _most(same, says) & steady & (size[:, 0] > least)
     # The medians are as far apart some spans before and behind: the means are most where it is.
     apart, flip = (
-        np.where(heard, np.abs(_mean(y) - _mean(x)), 0.0).sum(-1) / np.maximum(heard.sum(-1), 1)
-        for x, y in ((before, behind), (sign, turned))
+        np.where(heard, np.abs(x[OFTEN:] - x[:-OFTEN]), 0.0).sum(-1) / np.maximum(heard.sum(-1), 1)
+        for x in (mean, way)
     )
     factor = np.where(larger, np.exp(common), 1.0) * np.where(inverted, -1.0, 1.0)
     return factor, apart + 10 * inverted * flip
+
+
+def _steady(rest: FloatArray, says: BoolArray, size: FloatArray) -> BoolArray:
+    """Return whether a change (k, 1) is more than what all bands (k, b, spans) do together."""
+    rest = np.where(says[..., None], rest, np.nan)
+    together = np.abs(_median(np.moveaxis(rest, 1, 2))[0])
+    off, count = _median(together)
+    steady = (together >= size).sum(-1) <= (1 - USUAL) * count
+    return steady & (size[:, 0] > TOGETHER * 2 * ERROR * off / np.sqrt(np.maximum(count, 1)))
 
 
 def _most(some: BoolArray, of: BoolArray) -> BoolArray:

@@ -8,6 +8,7 @@ exception, which whoever measured it has to say: so it is a suspect, and nothing
 unasked.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -101,10 +102,11 @@ class Listener:
         # A second begins whole samples after the one before: where the tone is by then.
         first = self.seconds - len(self.met)
         begun = (first + np.arange(len(self.met))) * self.size / self.rate
-        for n, (f, k) in enumerate(self.mains):
-            z = self.met[:, n, 0] * np.exp(-2j * np.pi * ((f * begun) % 1.0))
-            beside = (np.abs(self.met[:, n, 1:]) ** 2).mean(-1)
-            self.steady[n].append(_steady(z, beside, first=first, strays=k * STRAYS))
+        f, k = np.array(self.mains).T
+        z = self.met[..., 0] * np.exp(-2j * np.pi * ((f * begun[:, None]) % 1.0))
+        beside = (np.abs(self.met[..., 1:]) ** 2).mean(-1)
+        for book, one in zip(self.steady, _steady(z, beside, first, k * STRAYS), strict=True):
+            book.append(one)
         self.met = self.met[len(self.met) - (WHILE - 1) :].copy()
 
     def _lines(self, rows: FloatArray) -> ComplexArray:
@@ -154,21 +156,26 @@ class _Steady:
     z: ComplexArray
 
 
-def _steady(z: ComplexArray, beside: FloatArray, *, first: int, strays: float) -> _Steady:
-    """Return where a tone z (m,), from second `first` on, stands as the mains do.
+def _steady(
+    z: ComplexArray, beside: FloatArray, first: int, strays: FloatArray
+) -> Iterator[_Steady]:
+    """Yield where each of tones z (m, tones), from second `first` on, stands as the mains do.
 
-    `beside` (m,) is the power of what is near it, `strays` Hz how far it may be off.
+    `beside` (m, tones) is the power of what is near it, `strays` (tones,) Hz how far it may be off.
     """
     power, turned = np.abs(z) ** 2, z[1:] * np.conj(z[:-1])
 
     def over(x: np.ndarray, size: int = WHILE) -> np.ndarray:
-        return np.lib.stride_tricks.sliding_window_view(x, size)
+        return np.lib.stride_tricks.sliding_window_view(x, size, axis=0)
 
     own, turn = over(power), over(turned, WHILE - 1).sum(-1)
-    still = np.abs(turn) > 0.93 * own[:, 1:].sum(-1)
-    grid = np.abs(np.angle(turn)) < 2 * np.pi * strays
-    low, typical, high = np.quantile(own, [0.1, 0.5, 0.9], axis=-1)
-    loud = typical > 8 * np.median(over(beside), axis=-1)
-    begins = np.flatnonzero(still & grid & (low > 0.5 * high) & loud)
-    at = np.unique(begins[:, None] + np.arange(WHILE))
-    return _Steady(first + begins, typical[begins], first + at, z[at])
+    still = np.abs(turn) > 0.93 * own[..., 1:].sum(-1)
+    # Few: what is dear is asked of them alone.
+    begins, tone = np.nonzero(still & (np.abs(np.angle(turn)) < 2 * np.pi * strays))
+    low, typical, high = np.quantile(own[begins, tone], [0.1, 0.5, 0.9], axis=-1)
+    loud = typical > 8 * np.median(over(beside)[begins, tone], axis=-1)
+    loud &= low > 0.5 * high
+    for k in range(strays.size):
+        mine = loud & (tone == k)
+        at = np.unique(begins[mine, None] + np.arange(WHILE))
+        yield _Steady(first + begins[mine], typical[mine], first + at, z[at, k])

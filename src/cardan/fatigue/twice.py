@@ -32,11 +32,13 @@ class Twice:
 
     def add(self, ahead: FloatArray, *, start: int, size: int) -> None:
         """Take samples from `start` on: `size` of them, and some that follow."""
-        bits = (ahead.astype(float) + 0.0).view(np.uint64)  # no minus nought
+        bits = np.add(ahead, 0.0, dtype=float).view(np.uint64)  # no minus nought
         size = min(size, ahead.size - LENGTH)
         if size <= 0:
             return
-        mixed = (bits[:size] ^ (bits[1 : size + 1] << np.uint64(7))) * _MIX
+        mixed = bits[1 : size + 1] << np.uint64(7)
+        mixed ^= bits[:size]
+        mixed *= _MIX
         chosen = np.flatnonzero(mixed < np.uint64(2**64 // EACH))
         near = bits[chosen[:, None] + np.arange(LENGTH)]
         chosen = chosen[(near[:, 1:] != near[:, :-1]).sum(-1) >= LENGTH // 2]
