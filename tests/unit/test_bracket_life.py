@@ -367,7 +367,7 @@ def test_a_bracket_is_held_against_its_limits_where_it_fares_worst():
     for code, word in (
         ("en", "may warn"),
         ("pt", "pode ser um alerta"),
-        ("it", "può essere un avviso"),
+        ("it", "può dare attenzione"),
     ):
         assert word in place(toe, Language(code))
         assert word not in place(sheet, Language(code))

@@ -224,7 +224,7 @@ def _damage(v: Judged, say: Language) -> Table:
             say("worst at"),
             say("damage per turn"),
             say("damage per hour"),
-            say("hours to failure"),
+            say("hours to the first failure"),
         ),
         rows=tuple(
             (
