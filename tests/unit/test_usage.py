@@ -12,7 +12,7 @@ from scipy.stats import norm
 
 from cardan.base.units import MPa
 from cardan.cli.life import life as command
-from cardan.fatigue.angle import gear_ratios
+from cardan.fatigue.angle import Angle, gear_ratios
 from cardan.fatigue.correction import uncorrected
 from cardan.fatigue.damage import miner
 from cardan.fatigue.life import Plan, life
@@ -28,11 +28,14 @@ from cardan.fatigue.usage import (
     equal_amplitude,
     grouped,
     peaks,
+    second_at,
     seconds_in,
     shortened,
     usage,
 )
 from cardan.report.contract_schema import schema
+from cardan.report.language import EN
+from cardan.report.used import document, rows
 from cardan.study.usage import used
 
 CURVE = SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).elementary()
@@ -501,3 +504,106 @@ def test_gauges_are_told_of_in_the_memory_of_one(rough):
     )  # fmt: skip
     assert len(answers) == 3
     assert len({a.shortened for a in answers}) == 1
+
+
+def asked(x, *, rate=RATE, angle=None, engine=None, torque=None):
+    """What is told of a stress (n,) Pa, and its seconds."""
+    of = usage([x[None]], rate=rate, curve=CURVE, correction=uncorrected, rule=half_cycles)[0]
+    lives = life(in_memory(x[None] / MPa, rate=rate, names=["S1"], units=["MPa"]), plan=PLAN)
+    [one] = used(
+        [of], lives, count=seconds_in(x.size, rate=rate), plan=PLAN, angle=angle, engine=engine,
+        torque=None if torque is None else (torque, rate), per_turn=1.0, second=second_at(rate),
+    )  # fmt: skip
+    return one, of
+
+
+def pulses(t, *, at, long=0.3):
+    """One at each second's `at`, of that many s."""
+    since = t % 1 - at
+    return np.where((since > 0) & (since < long), np.sin(np.pi * since / long) ** 2, 0.0)
+
+
+@pytest.mark.parametrize("rest", [0.0, 100.0])
+def test_torque_is_that_at_the_stress_and_not_at_the_middle_of_its_second(rest):
+    """All damage came at 4000 N m, and was told to come at 200: the middle of seconds was at rest.
+
+    With a mean stress too, of which rest is the larger in size.
+    """
+    t = np.arange(int(60 * RATE)) / RATE
+    up = pulses(t, at=0.1)
+    size = np.repeat(np.linspace(58, 62, 60), int(RATE))
+    one, of = asked((rest - size * up) * MPa, torque=200 - 4200 * up)
+    (loud,) = [g for g in one.groups["torque"] if g.damage > 1e-3 * of.whole]
+    assert loud.name == "-4000 .. -3500"
+    assert loud.damage == pytest.approx(of.whole - of.open)
+    if not rest:
+        assert [p.torque for p in one.places] == pytest.approx([-4000] * 8)
+        assert all(p.time % 1 == pytest.approx(0.25) for p in one.places)
+
+
+def test_speed_and_gear_of_a_stress_are_those_at_its_time():
+    """A launch, and a change of gear a moment after the largest stress: its second's middle is in
+    the next gear, 0.2 turns/s faster."""
+    t = np.arange(0, 60, 0.01)
+    speed, ratio = 5 + 0.5 * t, np.where(t < 30.3, 3.0, 1.5)
+    own, motor = (Rotation(t, np.cumsum(v) * 0.01) for v in (speed, speed * ratio))
+    x = 20 * np.sin(2 * np.pi * 2 * np.arange(int(60 * RATE)) / RATE)
+    x[int(30.1 * RATE)] = 150.0
+    one, _ = asked(x * MPa, angle=Angle(own), engine=motor)
+    top = one.places[0]
+    assert top.time == pytest.approx(30.1)
+    assert top.speed == pytest.approx(5 + 0.5 * 30.1, abs=0.01)
+    assert top.gear == "3"
+    times = {g.name: g.time for g in one.groups["gear"]}
+    assert (times["3"], times["1.5"]) == (pytest.approx(31, abs=1), pytest.approx(29, abs=1))
+
+
+def test_seconds_of_a_rate_that_has_no_whole_samples_are_where_they_are():
+    """Twelve samples at 12.4 Hz are 0.968 s: of the last of ten minutes a speed was told that came
+    twenty seconds later."""
+    rate = 12.4
+    clock = np.arange(0, 700, 0.01)
+    own = Rotation(clock, np.cumsum(np.where(clock < 595, 10.0, 30.0)) * 0.01)
+    n = int(600 * rate)
+    x = 20 * np.sin(np.arange(n))
+    one, of = asked(x * MPa, rate=rate, angle=Angle(own))
+    assert one.places[0].speed in (pytest.approx(10), pytest.approx(30))
+    fast = sum(g.time for g in one.groups["speed"] if g.name == "1750 .. 2000")
+    assert fast == pytest.approx(5, abs=1)
+    assert of.live.sum() == pytest.approx(600, abs=0.1)
+
+
+def test_rows_sum_to_the_whole_damage():
+    """What was open at the end was in no row, and a gear that did 44 % of the damage was told to
+    have done 100 %; what was in no gear was in no row either."""
+    t = np.arange(int(60 * RATE)) / RATE
+    x = 20 * np.sin(2 * np.pi * 2 * t)
+    x[int(20.3 * RATE)], x[int(40.3 * RATE)] = 90.0, -90.0
+    clock = np.arange(0, 60, 0.01)
+    turning = np.full(clock.size, 10.0)
+    # Between gears for a fifth of the time, at no ratio that lasts.
+    ratio = np.where(clock < 48, 1.5, 4 + 3 * np.sin(clock))
+    own, motor = (Rotation(clock, np.cumsum(v) * 0.01) for v in (turning, turning * ratio))
+    torque = np.where(t < 30, 700.0, np.nan)
+    one, of = asked(x * MPa, angle=Angle(own), engine=motor, torque=torque)
+    whole = miner(rainflow(x * MPa), curve=CURVE)
+    assert one.open_damage > 0.3 * whole
+    for sort in ("gear", "speed", "torque"):
+        every = [*one.groups[sort], one.unknown[sort]]
+        assert sum(g.damage for g in every) + one.open_damage == pytest.approx(whole)
+        assert sum(g.share for g in every) + one.open == pytest.approx(1)
+        assert sum(g.of_closed for g in every) == pytest.approx(1)
+        assert sum(g.time for g in every) == pytest.approx(60)
+    assert one.unknown["gear"].time == pytest.approx(12, abs=3)
+    assert one.unknown["torque"].time == pytest.approx(29, abs=1)
+    assert one.unknown["speed"].time == 0
+    (head, *body) = rows(one, "gear", EN)
+    assert head[2] == "share"
+    assert [row[0] for row in body[-2:]] == ["in no gear", "of no second, open at the end"]
+    assert sum(float(row[2].removesuffix(" %")) for row in body) == pytest.approx(100, abs=0.2)
+    told = document(one)
+    parts = [*told["damage_by"]["torque"], told["damage_by_none"]["torque"]]
+    assert sum(g["damage"] for g in parts) + told["open_damage"] == pytest.approx(whole)
+    # What `share` was it is still.
+    closed = float(of.damage.sum())
+    assert all(g["share"] == g["damage"] / closed for g in told["damage_by"]["torque"])

@@ -39,7 +39,7 @@ from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import VETO, decided
 from cardan.fatigue.rainflow import Cycles, ResidueRule, discarded, join, repeating
 from cardan.fatigue.recording import Recording, alongside, between
-from cardan.fatigue.usage import Usage, customer, seconds_in, usage
+from cardan.fatigue.usage import Usage, customer, second_at, seconds_in, usage
 from cardan.files.campaign import Campaigned, Drive, Segment
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
@@ -1060,6 +1060,7 @@ def _used(
         engine=campaign.engine_of(recording) if angle is not None else None,
         torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
         begins=recording.begins, held=angle is None or _held(angle, samples / recording.rate),
+        second=second_at(recording.rate),
     )  # fmt: skip
 
 
