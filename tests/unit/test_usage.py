@@ -12,7 +12,7 @@ from scipy.stats import norm
 
 from cardan.base.units import MPa
 from cardan.cli.life import life as command
-from cardan.fatigue.angle import Angle, gear_ratios
+from cardan.fatigue.angle import Angle, gear_ratios, shaft_angle
 from cardan.fatigue.correction import uncorrected
 from cardan.fatigue.damage import miner
 from cardan.fatigue.life import Plan, life
@@ -607,3 +607,29 @@ def test_rows_sum_to_the_whole_damage():
     # What `share` was it is still.
     closed = float(of.damage.sum())
     assert all(g["share"] == g["damage"] / closed for g in told["damage_by"]["torque"])
+
+
+def test_an_engine_that_was_set_runs_in_the_gears_it_was_set_to():
+    """1500 for six seconds and 3000 for four, exactly: joined straight they made seven gears from
+    1.66 to 2.84 at a shaft of 1000 rpm."""
+    t = np.arange(int(60 * RATE)) / RATE
+    engine = shaft_angle(np.where(t % 10 < 6, 1500.0, 3000.0) / 60, rate=RATE).rotation
+    shaft = Angle(Rotation(t, t * 1000 / 60))
+    x = 20 * np.sin(2 * np.pi * 4 * t)
+    one, of = asked(x * MPa, angle=shaft, engine=engine)
+    gears = {g.name: g.time for g in one.groups["gear"]}
+    assert gears == {"1.5": pytest.approx(36), "3": pytest.approx(24)}
+    assert one.unknown["gear"].damage == pytest.approx(0, abs=1e-3 * of.whole)
+
+
+@pytest.mark.parametrize("every", [2.0, 5.0])
+def test_a_speed_that_is_read_now_and_then_is_no_speed_that_was_set(every):
+    """It comes by a clock: between two readings it goes straight from one to the next."""
+    t = np.arange(int(240 * RATE)) / RATE
+    driven = (1500 + 500 * np.sin(t / 20)) / 60
+    read = np.repeat(driven[:: int(every * RATE)], int(every * RATE))[: t.size]
+    turned = shaft_angle(read, rate=RATE).rotation
+    middle = np.arange(20, 200) + 0.5
+    assert turned.speed(middle) == pytest.approx(
+        np.interp(middle, t[:: int(every * RATE)], driven[:: int(every * RATE)]), rel=2e-3
+    )
