@@ -633,3 +633,71 @@ def test_a_speed_that_is_read_now_and_then_is_no_speed_that_was_set(every):
     assert turned.speed(middle) == pytest.approx(
         np.interp(middle, t[:: int(every * RATE)], driven[:: int(every * RATE)]), rel=2e-3
     )
+
+
+TURNS_A_KM = 1e3 / (2 * np.pi * 0.5) * 4.3
+
+
+@pytest.mark.parametrize(
+    ("kmh", "noise", "km", "said"),
+    [
+        # Reverse: told as "no speed for 20 s", and km were not known.
+        ((45, -18, 30), 0.05, 93 * 20 / 3600, "v:km/h: negative for 20 s: reverse, or its sign is"),
+        # Its sign the other way round: told as 0 .. 250 rpm and nought km, of all damage.
+        ((-30, -30, -30), 0.0, 0.5, "v:km/h: negative for 60 s: reverse, or its sign is"),
+        # A number for none is no speed.
+        ((45, -2, 30), 0.0, None, "v:km/h: negative for 20 s, one number throughout"),
+    ],
+)
+def test_a_negative_speed_is_told_by_name_and_counts_by_its_size(tmp_path, kmh, noise, km, said):
+    rng = np.random.default_rng(9)
+    t = np.arange(int(60 * RATE)) / RATE
+    speed = np.repeat(kmh, int(20 * RATE)) + noise * rng.normal(size=t.size)
+    path, out = tmp_path / "a.csv", tmp_path / "a.json"
+    np.savetxt(
+        path, np.stack([t, 20 * rng.normal(size=t.size), speed], -1), delimiter=",", comments="",
+        fmt="%.6g", header="time,S1 [MPa],v",
+    )  # fmt: skip
+    options = [
+        "--gauge", "S1", "--sn", "30,2e6,5", "--speed", "v:km/h", "--axle-ratio", "4.3",
+        "--tyre-radius-m", "0.5", "--usage", "--json", str(out),
+    ]  # fmt: skip
+    done = CliRunner().invoke(command, [str(path), *options])
+    assert done.exit_code == 0, done.output
+    told = json.loads(out.read_text())
+    (note,) = told["notes"]
+    assert note.startswith(said)
+    bands = {b["band"]: b["live_s"] for b in told["usage"]["S1"]["damage_by"]["speed"]}
+    if km is None:
+        assert told["distance_km"] is None
+        assert sum(bands.values()) == pytest.approx(40, abs=1)
+        assert told["usage"]["S1"]["damage_by_none"]["speed"]["live_s"] == pytest.approx(20, abs=1)
+        return
+    assert told["distance_km"] == pytest.approx(km, rel=1e-3)
+    by_hand = {
+        f"{low:g} .. {low + 250:g}": 20.0 * len([v for v in kmh if rpm(v) // 250 * 250 == low])
+        for low in {rpm(v) // 250 * 250 for v in kmh}
+    }
+    assert bands == {band: pytest.approx(time, abs=1) for band, time in by_hand.items()}
+
+
+def rpm(kmh):
+    return abs(kmh) / 60 * TURNS_A_KM
+
+
+def test_where_a_shaft_turns_round_its_angle_is_lost_and_a_sign_loses_none():
+    t = np.arange(int(60 * RATE)) / RATE
+    driven = 20 * np.cos(2 * np.pi * t / 60)  # backwards from 15 s to 45 s
+    turned = shaft_angle(driven, rate=RATE)
+    assert turned.negative == pytest.approx(np.array([[15.0, 45.0]]), abs=0.02)
+    assert turned.rotation.speed(np.array([30.0])) == pytest.approx(20, rel=1e-3)
+    assert not turned.trusted
+    other = shaft_angle(-(20 + np.cos(t)), rate=RATE)
+    plain = shaft_angle(20 + np.cos(t), rate=RATE)
+    assert other.trusted
+    assert not other.lost.size
+    np.testing.assert_array_equal(other.rotation.turns, plain.rotation.turns)
+    # A zero that is a little off, and what is short, is no reverse.
+    still = np.where(t < 30, 20.0, -0.1) + 0.01 * np.sin(t)
+    assert not shaft_angle(still, rate=RATE).negative.size
+    assert not shaft_angle(np.where(t % 10 < 0.5, -3.0, 20.0), rate=RATE).negative.size
