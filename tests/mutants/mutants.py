@@ -859,6 +859,8 @@ RECORDED = (
            "unit/test_usage.py::test_a_negative_speed_is_told_by_name_and_counts_by_its_size"),
     mutant("fatigue/angle.py", "turns=forwards and bool(len(runs))", "turns=False", "what turned round is where it was",
            "unit/test_usage.py::test_where_a_shaft_turns_round_its_angle_is_lost_and_a_sign_loses_none"),
+    mutant("fatigue/life.py", "if below.any() and np", "if not below.any() and np", "a speed below nought acquits",
+           "unit/test_said_wrongly.py::test_a_speed_that_cannot_be_the_shafts_acquits_nobody"),
     mutant("study/usage.py", "tuple(map(told, found, lives))", "tuple(told(*one) for one in zip(found, lives, strict=True))",
            "a gauge is held while the next is asked", "unit/test_usage.py::test_gauges_are_told_of_in_the_memory_of_one"),
     mutant("fatigue/stuck.py", "< 2 * ALIKE * width", "< 1e9 * width", "a converter of few codes has a bit that stands still",

@@ -695,6 +695,8 @@ def test_where_a_shaft_turns_round_its_angle_is_lost_and_a_sign_loses_none():
     other = shaft_angle(-(20 + np.cos(t)), rate=RATE)
     plain = shaft_angle(20 + np.cos(t), rate=RATE)
     assert other.trusted
+    assert other.below(np.array([0.5, 59.5])).all()
+    assert not plain.below(t).any()
     assert not other.lost.size
     np.testing.assert_array_equal(other.rotation.turns, plain.rotation.turns)
     # A zero that is a little off, and what is short, is no reverse.

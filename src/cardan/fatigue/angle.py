@@ -95,6 +95,11 @@ class Angle:
     sized: bool = True
     """Whether that counts by its size; it says nothing otherwise."""
 
+    def below(self, time: FloatArray) -> BoolArray:
+        """Return whether its speed is below nought at times (n,) s, for more than a moment."""
+        begun, over = self.negative.T
+        return np.searchsorted(begun, time, "right") > np.searchsorted(over, time)
+
     def unsaid(self, time: FloatArray) -> BoolArray:
         """Return whether nothing says at times (n,) s how fast it turned."""
         first, last = self.ends
