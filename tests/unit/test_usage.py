@@ -12,7 +12,7 @@ from scipy.stats import norm
 
 from cardan.base.units import MPa
 from cardan.cli.life import life as command
-from cardan.fatigue.angle import gear_ratios
+from cardan.fatigue.angle import Angle, gear_ratios, shaft_angle
 from cardan.fatigue.correction import uncorrected
 from cardan.fatigue.damage import miner
 from cardan.fatigue.life import Plan, life
@@ -28,11 +28,14 @@ from cardan.fatigue.usage import (
     equal_amplitude,
     grouped,
     peaks,
+    second_at,
     seconds_in,
     shortened,
     usage,
 )
 from cardan.report.contract_schema import schema
+from cardan.report.language import EN
+from cardan.report.used import document, rows
 from cardan.study.usage import used
 
 CURVE = SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).elementary()
@@ -501,3 +504,202 @@ def test_gauges_are_told_of_in_the_memory_of_one(rough):
     )  # fmt: skip
     assert len(answers) == 3
     assert len({a.shortened for a in answers}) == 1
+
+
+def asked(x, *, rate=RATE, angle=None, engine=None, torque=None):
+    """What is told of a stress (n,) Pa, and its seconds."""
+    of = usage([x[None]], rate=rate, curve=CURVE, correction=uncorrected, rule=half_cycles)[0]
+    lives = life(in_memory(x[None] / MPa, rate=rate, names=["S1"], units=["MPa"]), plan=PLAN)
+    [one] = used(
+        [of], lives, count=seconds_in(x.size, rate=rate), plan=PLAN, angle=angle, engine=engine,
+        torque=None if torque is None else (torque, rate), per_turn=1.0, second=second_at(rate),
+    )  # fmt: skip
+    return one, of
+
+
+def pulses(t, *, at, long=0.3):
+    """One at each second's `at`, of that many s."""
+    since = t % 1 - at
+    return np.where((since > 0) & (since < long), np.sin(np.pi * since / long) ** 2, 0.0)
+
+
+@pytest.mark.parametrize("rest", [0.0, 100.0])
+def test_torque_is_that_at_the_stress_and_not_at_the_middle_of_its_second(rest):
+    """All damage came at 4000 N m, and was told to come at 200: the middle of seconds was at rest.
+
+    With a mean stress too, of which rest is the larger in size.
+    """
+    t = np.arange(int(60 * RATE)) / RATE
+    up = pulses(t, at=0.1)
+    size = np.repeat(np.linspace(58, 62, 60), int(RATE))
+    one, of = asked((rest - size * up) * MPa, torque=200 - 4200 * up)
+    (loud,) = [g for g in one.groups["torque"] if g.damage > 1e-3 * of.whole]
+    assert loud.name == "-4000 .. -3500"
+    assert loud.damage == pytest.approx(of.whole - of.open)
+    if not rest:
+        assert [p.torque for p in one.places] == pytest.approx([-4000] * 8)
+        assert all(p.time % 1 == pytest.approx(0.25) for p in one.places)
+
+
+def test_speed_and_gear_of_a_stress_are_those_at_its_time():
+    """A launch, and a change of gear a moment after the largest stress: its second's middle is in
+    the next gear, 0.2 turns/s faster."""
+    t = np.arange(0, 60, 0.01)
+    speed, ratio = 5 + 0.5 * t, np.where(t < 30.3, 3.0, 1.5)
+    own, motor = (Rotation(t, np.cumsum(v) * 0.01) for v in (speed, speed * ratio))
+    x = 20 * np.sin(2 * np.pi * 2 * np.arange(int(60 * RATE)) / RATE)
+    x[int(30.1 * RATE)] = 150.0
+    one, _ = asked(x * MPa, angle=Angle(own), engine=motor)
+    top = one.places[0]
+    assert top.time == pytest.approx(30.1)
+    assert top.speed == pytest.approx(5 + 0.5 * 30.1, abs=0.01)
+    assert top.gear == "3"
+    times = {g.name: g.time for g in one.groups["gear"]}
+    assert (times["3"], times["1.5"]) == (pytest.approx(31, abs=1), pytest.approx(29, abs=1))
+
+
+def test_seconds_of_a_rate_that_has_no_whole_samples_are_where_they_are():
+    """Twelve samples at 12.4 Hz are 0.968 s: of the last of ten minutes a speed was told that came
+    twenty seconds later."""
+    rate = 12.4
+    clock = np.arange(0, 700, 0.01)
+    own = Rotation(clock, np.cumsum(np.where(clock < 595, 10.0, 30.0)) * 0.01)
+    n = int(600 * rate)
+    x = 20 * np.sin(np.arange(n))
+    one, of = asked(x * MPa, rate=rate, angle=Angle(own))
+    assert one.places[0].speed in (pytest.approx(10), pytest.approx(30))
+    fast = sum(g.time for g in one.groups["speed"] if g.name == "1750 .. 2000")
+    assert fast == pytest.approx(5, abs=1)
+    assert of.live.sum() == pytest.approx(600, abs=0.1)
+
+
+def test_rows_sum_to_the_whole_damage():
+    """What was open at the end was in no row, and a gear that did 44 % of the damage was told to
+    have done 100 %; what was in no gear was in no row either."""
+    t = np.arange(int(60 * RATE)) / RATE
+    x = 20 * np.sin(2 * np.pi * 2 * t)
+    x[int(20.3 * RATE)], x[int(40.3 * RATE)] = 90.0, -90.0
+    clock = np.arange(0, 60, 0.01)
+    turning = np.full(clock.size, 10.0)
+    # Between gears for a fifth of the time, at no ratio that lasts.
+    ratio = np.where(clock < 48, 1.5, 4 + 3 * np.sin(clock))
+    own, motor = (Rotation(clock, np.cumsum(v) * 0.01) for v in (turning, turning * ratio))
+    torque = np.where(t < 30, 700.0, np.nan)
+    one, of = asked(x * MPa, angle=Angle(own), engine=motor, torque=torque)
+    whole = miner(rainflow(x * MPa), curve=CURVE)
+    assert one.open_damage > 0.3 * whole
+    for sort in ("gear", "speed", "torque"):
+        every = [*one.groups[sort], one.unknown[sort]]
+        assert sum(g.damage for g in every) + one.open_damage == pytest.approx(whole)
+        assert sum(g.share for g in every) + one.open == pytest.approx(1)
+        assert sum(g.of_closed for g in every) == pytest.approx(1)
+        assert sum(g.time for g in every) == pytest.approx(60)
+    assert one.unknown["gear"].time == pytest.approx(12, abs=3)
+    assert one.unknown["torque"].time == pytest.approx(29, abs=1)
+    assert one.unknown["speed"].time == 0
+    (head, *body) = rows(one, "gear", EN)
+    assert head[2] == "share"
+    assert [row[0] for row in body[-2:]] == ["in no gear", "of no second, open at the end"]
+    assert sum(float(row[2].removesuffix(" %")) for row in body) == pytest.approx(100, abs=0.2)
+    told = document(one)
+    parts = [*told["damage_by"]["torque"], told["damage_by_none"]["torque"]]
+    assert sum(g["damage"] for g in parts) + told["open_damage"] == pytest.approx(whole)
+    # What `share` was it is still.
+    closed = float(of.damage.sum())
+    assert all(g["share"] == g["damage"] / closed for g in told["damage_by"]["torque"])
+
+
+def test_an_engine_that_was_set_runs_in_the_gears_it_was_set_to():
+    """1500 for six seconds and 3000 for four, exactly: joined straight they made seven gears from
+    1.66 to 2.84 at a shaft of 1000 rpm."""
+    t = np.arange(int(60 * RATE)) / RATE
+    engine = shaft_angle(np.where(t % 10 < 6, 1500.0, 3000.0) / 60, rate=RATE).rotation
+    shaft = Angle(Rotation(t, t * 1000 / 60))
+    x = 20 * np.sin(2 * np.pi * 4 * t)
+    one, of = asked(x * MPa, angle=shaft, engine=engine)
+    gears = {g.name: g.time for g in one.groups["gear"]}
+    assert gears == {"1.5": pytest.approx(36), "3": pytest.approx(24)}
+    assert one.unknown["gear"].damage == pytest.approx(0, abs=1e-3 * of.whole)
+
+
+@pytest.mark.parametrize("every", [2.0, 5.0])
+def test_a_speed_that_is_read_now_and_then_is_no_speed_that_was_set(every):
+    """It comes by a clock: between two readings it goes straight from one to the next."""
+    t = np.arange(int(240 * RATE)) / RATE
+    driven = (1500 + 500 * np.sin(t / 20)) / 60
+    read = np.repeat(driven[:: int(every * RATE)], int(every * RATE))[: t.size]
+    turned = shaft_angle(read, rate=RATE).rotation
+    middle = np.arange(20, 200) + 0.5
+    assert turned.speed(middle) == pytest.approx(
+        np.interp(middle, t[:: int(every * RATE)], driven[:: int(every * RATE)]), rel=2e-3
+    )
+
+
+TURNS_A_KM = 1e3 / (2 * np.pi * 0.5) * 4.3
+
+
+@pytest.mark.parametrize(
+    ("kmh", "noise", "km", "said"),
+    [
+        # Reverse: told as "no speed for 20 s", and km were not known.
+        ((45, -18, 30), 0.05, 93 * 20 / 3600, "v:km/h: negative for 20 s: reverse, or its sign is"),
+        # Its sign the other way round: told as 0 .. 250 rpm and nought km, of all damage.
+        ((-30, -30, -30), 0.0, 0.5, "v:km/h: negative for 60 s: reverse, or its sign is"),
+        # A number for none is no speed.
+        ((45, -2, 30), 0.0, None, "v:km/h: negative for 20 s, one number throughout"),
+    ],
+)
+def test_a_negative_speed_is_told_by_name_and_counts_by_its_size(tmp_path, kmh, noise, km, said):
+    rng = np.random.default_rng(9)
+    t = np.arange(int(60 * RATE)) / RATE
+    speed = np.repeat(kmh, int(20 * RATE)) + noise * rng.normal(size=t.size)
+    path, out = tmp_path / "a.csv", tmp_path / "a.json"
+    np.savetxt(
+        path, np.stack([t, 20 * rng.normal(size=t.size), speed], -1), delimiter=",", comments="",
+        fmt="%.6g", header="time,S1 [MPa],v",
+    )  # fmt: skip
+    options = [
+        "--gauge", "S1", "--sn", "30,2e6,5", "--speed", "v:km/h", "--axle-ratio", "4.3",
+        "--tyre-radius-m", "0.5", "--usage", "--json", str(out),
+    ]  # fmt: skip
+    done = CliRunner().invoke(command, [str(path), *options])
+    assert done.exit_code == 0, done.output
+    told = json.loads(out.read_text())
+    (note,) = told["notes"]
+    assert note.startswith(said)
+    bands = {b["band"]: b["live_s"] for b in told["usage"]["S1"]["damage_by"]["speed"]}
+    if km is None:
+        assert told["distance_km"] is None
+        assert sum(bands.values()) == pytest.approx(40, abs=1)
+        assert told["usage"]["S1"]["damage_by_none"]["speed"]["live_s"] == pytest.approx(20, abs=1)
+        return
+    assert told["distance_km"] == pytest.approx(km, rel=1e-3)
+    by_hand = {
+        f"{low:g} .. {low + 250:g}": 20.0 * len([v for v in kmh if rpm(v) // 250 * 250 == low])
+        for low in {rpm(v) // 250 * 250 for v in kmh}
+    }
+    assert bands == {band: pytest.approx(time, abs=1) for band, time in by_hand.items()}
+
+
+def rpm(kmh):
+    return abs(kmh) / 60 * TURNS_A_KM
+
+
+def test_where_a_shaft_turns_round_its_angle_is_lost_and_a_sign_loses_none():
+    t = np.arange(int(60 * RATE)) / RATE
+    driven = 20 * np.cos(2 * np.pi * t / 60)  # backwards from 15 s to 45 s
+    turned = shaft_angle(driven, rate=RATE)
+    assert turned.negative == pytest.approx(np.array([[15.0, 45.0]]), abs=0.02)
+    assert turned.rotation.speed(np.array([30.0])) == pytest.approx(20, rel=1e-3)
+    assert not turned.trusted
+    other = shaft_angle(-(20 + np.cos(t)), rate=RATE)
+    plain = shaft_angle(20 + np.cos(t), rate=RATE)
+    assert other.trusted
+    assert other.below(np.array([0.5, 59.5])).all()
+    assert not plain.below(t).any()
+    assert not other.lost.size
+    np.testing.assert_array_equal(other.rotation.turns, plain.rotation.turns)
+    # A zero that is a little off, and what is short, is no reverse.
+    still = np.where(t < 30, 20.0, -0.1) + 0.01 * np.sin(t)
+    assert not shaft_angle(still, rate=RATE).negative.size
+    assert not shaft_angle(np.where(t % 10 < 0.5, -3.0, 20.0), rate=RATE).negative.size

@@ -46,12 +46,17 @@ MOST = 2_500_000
 HELD, UPDATE, RARELY = 3, 1.0, 4.0
 """Readings, all alike, from which a speed is steady and not a step of a staircase; seconds in which
 it comes to its next speed at most, and seconds between readings at most as they are counted."""
+CLOCKED, AGAIN = 0.8, 1 / 3
+"""Share of values that came by a clock from which all did, and of different ones among those read
+now and then: fewer were set."""
 TOGETHER = 1 << 17
 """Times at which a speed is looked up at once."""
 BESIDE = 10.0
 """Seconds beside a stretch, and its lag, of which the angle is asked with it."""
 TURNING, OFTEN = 0.35, 0.02
 """Seconds in which a shaft's speed is a cubic, and between readings that show a turn's wobble."""
+MOVING = 0.5
+"""Turns/s from which a shaft is under way, either way round."""
 ABRUPT = 2.0
 """Turns/s from which no shaft falls to nought within a sample."""
 
@@ -85,6 +90,15 @@ class Angle:
     holes: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     """Between these, (k, 2) s from when to when nothing says it for more than a moment, and a line
     goes straight across."""
+    negative: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
+    """From when to when, (k, 2) s, its speed is below nought for more than a moment."""
+    sized: bool = True
+    """Whether that counts by its size; it says nothing otherwise."""
+
+    def below(self, time: FloatArray) -> BoolArray:
+        """Return whether its speed is below nought at times (n,) s, for more than a moment."""
+        begun, over = self.negative.T
+        return np.searchsorted(begun, time, "right") > np.searchsorted(over, time)
 
     def unsaid(self, time: FloatArray) -> BoolArray:
         """Return whether nothing says at times (n,) s how fast it turned."""
@@ -193,9 +207,26 @@ def readings(speed: FloatArray, *, rate: float) -> Readings:
     keep = fresh | np.append(fresh[1:], True) & (gap > 1) | (value == 0)
     # A stretch of many readings is steady speed, held until the last before the next.
     start = np.append(np.flatnonzero(fresh), value.size)
-    steady = np.diff(start) > HELD * min(period, RARELY) * rate
-    keep[np.maximum(start[1:][steady] - max(round(min(period, UPDATE) * rate), 1), 0)] = True
+    if _set(value[start[:-1]], np.diff(start) / rate, period):
+        steady, moment = np.diff(start) > HELD * UPDATE * rate, 1
+    else:
+        steady = np.diff(start) > HELD * min(period, RARELY) * rate
+        moment = max(round(min(period, UPDATE) * rate), 1)
+    keep[np.maximum(start[1:][steady] - moment, 0)] = True
     return Readings(place[keep] / rate, value[keep], known, period)
+
+
+def _set(value: FloatArray, long: FloatArray, period: float) -> bool:
+    """Return whether values (n,) that last so long (n,) s each were set, and none is a reading.
+
+    What is read now and then comes by a clock, and seldom the same twice; what was set on a stand
+    stays for as long as somebody wants, or comes again. Joined straight it had an engine that ran
+    at 1500 or 3000 rpm in seven gears between.
+    """
+    if period <= UPDATE or value.size < 3:
+        return False
+    by_clock = np.mean(np.abs(long[1:-1] - period) < 0.1 * period) > CLOCKED
+    return not by_clock or np.unique(value).size < AGAIN * value.size
 
 
 def _period(value: FloatArray, fresh: BoolArray) -> float:
@@ -206,6 +237,47 @@ def _period(value: FloatArray, fresh: BoolArray) -> float:
     moving = value > 0.5
     steps = np.diff(np.flatnonzero(fresh & moving))
     return float(np.median(steps) if steps.size else np.count_nonzero(moving))
+
+
+@dataclass(frozen=True)
+class Signed:
+    """A channel of speed (n,) turns/s by its size where it is below nought for long.
+
+    Attributes
+    ----------
+    speed
+        What counts: the size of what was driven backwards, nan where it is no speed.
+    runs : (k, 2)
+        Samples from and to which it is below nought.
+    turns : bool
+        Whether it goes forwards too: an angle is lost where the shaft turns round.
+    sized
+        Whether its size counts: of one number throughout, beside speeds above nought, nobody
+        knows whether it stands for none.
+    """
+
+    speed: FloatArray
+    runs: IntArray
+    turns: bool
+    sized: bool
+
+
+def signed(speed: FloatArray, *, rate: float) -> Signed:
+    """Return a channel of speed (n,) turns/s by its size, and where it is below nought for long."""
+    back = speed < -MOVING
+    least = DARK * rate
+    if np.count_nonzero(back) < least:
+        return Signed(speed, np.empty((0, 2), np.intp), turns=False, sized=True)
+    runs = _runs(speed < 0, least=1)
+    told = np.append(0, np.cumsum(back))
+    runs = runs[told[runs[:, 1]] - told[runs[:, 0]] >= least]
+    forwards = bool(np.count_nonzero(speed > MOVING) >= least)
+    ends = [(float(np.min(speed[a:b])), float(np.max(speed[a:b]))) for a, b in runs.tolist()]
+    sized = not forwards or len({value for pair in ends for value in pair}) != 1
+    size = np.array(speed, float)
+    for a, b in runs.tolist():
+        size[a:b] = -size[a:b] if sized else np.nan
+    return Signed(size, runs, turns=forwards and bool(len(runs)), sized=sized)
 
 
 @dataclass(frozen=True)
@@ -340,6 +412,8 @@ def shaft_angle(
     step : s
         Between the times of the rotation.
     """
+    way = signed(speed, rate=rate)
+    speed = way.speed
     own = readings(speed, rate=rate)
     step = max(step, speed.size / rate / MOST)
     time = _clock(speed.size / rate + step, step)
@@ -354,7 +428,7 @@ def shaft_angle(
     motor = None
     if engine is not None and (stair or dark.any()):
         try:
-            motor = readings(engine, rate=rate)
+            motor = readings(signed(engine, rate=rate).speed, rate=rate)
         except DesignError:
             motor = None
     geared_by = motor is not None and motor.period < STAIR and np.mean(~motor.known) < 0.005
@@ -367,12 +441,15 @@ def shaft_angle(
         turning = np.where(engaged & (dark | stair), geared, turning)
         lost = (dark | stair) & ~engaged
         del geared
+    unsaid = lost & dark
+    if way.turns:  # what turns round has another zero afterwards
+        for a, b in way.runs / rate:
+            lost[np.searchsorted(time, a) : np.searchsorted(time, b)] = True
     often = own.period < OFTEN
     del own, motor  # of a day's drive they are 80 MB
     if often:
         turning = _rounded(turning, step)
     moving = turning > 1
-    unsaid = lost & dark
     told = np.flatnonzero(~unsaid)
     ends = (-np.inf, np.inf)
     if told.size:  # less than a moment is how a clock was laid, or its first message
@@ -396,7 +473,7 @@ def shaft_angle(
     return Angle(
         _turned(time, turning), lag=1.0 if stair and not geared_by else 0.15, trusted=trusted,
         lost=runs if trusted else runs[:0], dark=black / whole, ends=ends,
-        holes=holes,
+        holes=holes, negative=way.runs / rate, sized=way.sized,
     )  # fmt: skip
 
 

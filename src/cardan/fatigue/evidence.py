@@ -66,6 +66,10 @@ PULLING = said(
 STANDING = said(
     "by its speed the shaft hardly turned: what does the damage is locked to nothing that is known"
 )
+NEGATIVE = said(
+    "for a third of the time under way and more the shaft's speed is below nought: reverse, or it "
+    "is not what it is taken for"
+)
 UNSEEN = said(
     "for a third of the time under way and more nothing says how fast the shaft turned: its speed "
     "is missing, or stands still while the engine's changes"
@@ -81,6 +85,7 @@ SPOILT = said("the gauge is vetoed: whose the damage is hangs on what spoiled th
 
 DOUBTS = (
     STANDING,
+    NEGATIVE,
     UNSEEN,
     SWAPPED,
     MEANWHILE,

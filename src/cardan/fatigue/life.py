@@ -41,6 +41,7 @@ from cardan.fatigue.evidence import (
     GUILTY,
     HALVED,
     INNOCENT,
+    NEGATIVE,
     SCALED,
     STANDING,
     SWAPPED,
@@ -867,10 +868,12 @@ def _no_shaft(
     shaft: Angle, engine: Rotation | None, time: FloatArray, *, step: float
 ) -> Said | None:
     """Return why a speed cannot be the shaft's, as it is at times (n,) s, each for a step."""
+    speed, below = shaft.rotation.speed(time), shaft.below(time)
+    moving = speed > 1
+    if below.any() and np.mean(below[moving | below]) > UNKNOWN:
+        return NEGATIVE
     if shaft.dark > UNKNOWN:
         return UNSEEN
-    speed = shaft.rotation.speed(time)
-    moving = speed > 1
     if moving.sum() * step < TURNED:
         return STANDING
     if engine is not None and np.mean(engine.speed(time)[moving] < LOWEST * speed[moving]) > 0.5:

@@ -31,6 +31,8 @@ FINE = 0.01
 """Of the range that a stress had until then, by which it has to turn to be held."""
 TOGETHER = 4096
 """Seconds that are held, and counted, at once."""
+BESIDE = 30
+"""Seconds to either side of one, of which its stress rises or falls from their usual level."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,8 @@ class Usage:
         Time that was heard.
     opened : (m,) 1
         As `damage`, by the second in which each cycle began.
+    mean : (m,) Pa
+        Mean stress; nan where nothing was heard.
     turns : m of (k,) Pa
         Where the stress turns in each second, but for what turns by less than `FINE`.
     """
@@ -63,6 +67,7 @@ class Usage:
     at_low: FloatArray
     live: FloatArray
     opened: FloatArray
+    mean: FloatArray
     turns: tuple[npt.NDArray[np.float32], ...]
     until: IntArray
 
@@ -70,6 +75,28 @@ class Usage:
     def open(self) -> float:
         """Damage of what is left open."""
         return float(self.left.sum())
+
+    @property
+    def whole(self) -> float:
+        """Damage of all cycles, closed and open."""
+        return float(self.damage.sum()) + self.open
+
+    @property
+    def farthest(self) -> FloatArray:
+        """When (m,) s the stress was farthest from its level; nan where nothing was heard.
+
+        The level is the median of the seconds' means, half a minute to either side: of a pulse of
+        some seconds it is still what was before and comes after, and a grade it follows.
+        """
+        from scipy.ndimage import median_filter
+
+        heard = np.flatnonzero(~np.isnan(self.mean))
+        found = np.full(self.mean.size, np.nan)
+        if heard.size:
+            level = median_filter(self.mean[heard], 2 * BESIDE + 1, mode="nearest")
+            up, down = self.high[heard] - level, level - self.low[heard]
+            found[heard] = np.where(up >= down, self.at_high[heard], self.at_low[heard])
+        return found
 
     def turned(self, seconds: IntArray) -> npt.NDArray[np.float32]:
         """Return where the stress turns in some seconds (k,), one after the other."""
@@ -84,7 +111,16 @@ class Usage:
 
 def seconds_in(samples: int, *, rate: float) -> int:
     """Return how many seconds `usage` tells apart in so many samples."""
-    return -(-samples // max(round(SECOND * rate), 2))
+    return -(-samples // _size(rate))
+
+
+def second_at(rate: float) -> float:
+    """Return how long what `usage` tells apart lasts, s: a second, in whole samples."""
+    return _size(rate) / rate
+
+
+def _size(rate: float) -> int:
+    return max(round(SECOND * rate), 2)
 
 
 def usage(
@@ -92,7 +128,7 @@ def usage(
     rule: ResidueRule,
 ) -> list[Usage]:  # fmt: skip
     """Return each gauge of a stress (gauges, n) Pa second by second."""
-    size = max(round(SECOND * rate), 2)
+    size = _size(rate)
     found: list[_Gauge] = []
     for k, piece in enumerate(cut(pieces, size=size)):
         if not found:
@@ -107,7 +143,7 @@ class _Gauge:
 
     def __init__(self, curve: SNCurve, correction: Correction) -> None:
         self.curve, self.correction, self.residue = curve, correction, NONE
-        self.rows = np.zeros((TOGETHER, 7))  # grown as seconds come
+        self.rows = np.zeros((TOGETHER, 8))  # grown as seconds come
         self.turns: list[npt.NDArray[np.float32]] = []
         self.blocks: list[npt.NDArray[np.float32]] = []
         self.until: list[int] = []
@@ -122,10 +158,10 @@ class _Gauge:
         same = int(np.logical_and.accumulate(before[:n] == self.residue[:n]).sum())
         self.met = np.append(self.met[:same], np.full(self.residue.size - same, k))
         known = np.flatnonzero(~np.isnan(x))
-        top = bottom = at_top = at_bottom = np.nan
+        top = bottom = at_top = at_bottom = mean = np.nan
         if known.size:
             i, j = known[np.argmax(x[known])], known[np.argmin(x[known])]
-            top, bottom = float(x[i]), float(x[j])
+            top, bottom, mean = float(x[i]), float(x[j]), float(x[known].mean())
             at_top, at_bottom = start + i / rate, start + j / rate
             self.reach = min(self.reach[0], bottom), max(self.reach[1], top)
         low, high = self.reach
@@ -143,6 +179,7 @@ class _Gauge:
             self.rows = np.concatenate([self.rows, np.zeros_like(self.rows)])
         self.rows[k, :6] = done.sum(), top, bottom, at_top, at_bottom, known.size / rate
         np.add.at(self.rows[:, 6], began, done)
+        self.rows[k, 7] = mean
         if k % TOGETHER == TOGETHER - 1:
             self.blocks.append(np.concatenate(self.turns))
             self.turns = []
@@ -157,9 +194,9 @@ class _Gauge:
         when = np.maximum(*(self.met[end] for end in ends))
         left = np.zeros(len(self.until))
         np.add.at(left, when, legs.count * self.curve.damage(self._equivalent(legs)))
-        damage, high, low, at_high, at_low, live, opened = self.rows[: left.size].T
+        damage, high, low, at_high, at_low, live, opened, mean = self.rows[: left.size].T
         return Usage(
-            damage, left, high, low, at_high, at_low, live, opened,
+            damage, left, high, low, at_high, at_low, live, opened, mean,
             (*self.blocks, np.concatenate([np.empty(0, np.float32), *self.turns])),
             np.array(self.until),
         )  # fmt: skip
@@ -190,29 +227,34 @@ def peaks(of: Usage, *, count: int = 8, apart: float = 5.0) -> list[Peak]:
 
 @dataclass(frozen=True)
 class Group:
-    """Seconds of one sort: their share of damage and time, their time s and way m."""
+    """Seconds of one sort: what closed in them, their time s and way m.
+
+    `share` is of the whole damage, with what is left open; `of_closed` of what closed.
+    """
 
     name: str
     damage: float
     share: float
+    of_closed: float
     time: float
     distance: float
 
 
 def grouped(of: Usage, names: Sequence[str], *, metres: FloatArray | None = None) -> list[Group]:
-    """Return the damage by the sort of each second (m,); "" leaves one out.
+    """Return the damage by the sort of each second (m,); those of "" are of none.
 
-    `metres` (m,) is the way of each second.
+    With what is left open, of no second, the groups are the whole damage. `metres` (m,) is the way
+    of each second.
     """
     told = np.asarray(names)
-    whole = float(of.damage.sum())
+    closed = float(of.damage.sum())
     found: list[Group] = []
-    for name in dict.fromkeys(n for n in names if n):
+    for name in dict.fromkeys(names):
         here = told == name
         damage = float(of.damage[here].sum())
         way = np.nan if metres is None else float(metres[here].sum())
-        share = damage / whole if whole else np.nan
-        found.append(Group(name, damage, share, float(of.live[here].sum()), way))
+        share, of_closed = (damage / all_ if all_ else np.nan for all_ in (of.whole, closed))
+        found.append(Group(name, damage, share, of_closed, float(of.live[here].sum()), way))
     return found
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from cardan.base.units import MPa, hour
 from cardan.fatigue.long_run import Unknown
+from cardan.fatigue.usage import Group
 from cardan.report.blocks import Block, Table, Text
 from cardan.report.language import EN, Language
 from cardan.report.terminal import columns
@@ -17,6 +18,12 @@ SORTS = {
     "torque": "shaft torque, N m",
 }
 """What damage is told by."""
+
+NONE = {"gear": "in no gear", "speed": "speed not known", "torque": "torque not known"}
+"""What is in none of these."""
+
+OPEN = "of no second, open at the end"
+"""What is left open."""
 
 UNKNOWN: Mapping[Unknown, str] = {
     "short": "the recording is shorter than a minute",
@@ -40,7 +47,8 @@ def document(of: Used) -> dict[str, Any]:
                 {
                     "band": g.name,
                     "damage": g.damage,
-                    "share": _number(g.share),
+                    "share": _number(g.of_closed),
+                    "share_of_whole": _number(g.share),
                     "live_s": g.time,
                     "km": _number(g.distance / 1e3),
                     "damage_per_km": _number(g.damage / (g.distance / 1e3))
@@ -51,7 +59,17 @@ def document(of: Used) -> dict[str, Any]:
             ]
             for sort, groups in of.groups.items()
         },
+        "damage_by_none": {
+            sort: {
+                "damage": g.damage,
+                "share_of_whole": _number(g.share),
+                "live_s": g.time,
+                "km": _number(g.distance / 1e3),
+            }
+            for sort, g in of.unknown.items()
+        },
         "open_share": of.open,
+        "open_damage": of.open_damage,
         "peaks": [
             {
                 "MPa": p.stress / MPa,
@@ -75,19 +93,26 @@ def document(of: Used) -> dict[str, Any]:
 
 
 def rows(of: Used, sort: str, say: Language) -> list[tuple[str, ...]]:
-    """Return the damage by a sort as rows, their heads first."""
+    """Return the damage by a sort as rows that sum to the whole damage, their heads first."""
     known = any(g.distance > 0 for g in of.groups[sort])
     head = (say(SORTS[sort]), say("damage"), say("share"), say("time, min"))
     found = [(*head, say("km"), say("per km")) if known else head]
-    for g in sorted(of.groups[sort], key=lambda g: -g.damage):
-        name = say.pointed(g.name) if sort == "gear" else g.name
+
+    def add(name: str, g: Group) -> None:
         row = (
-            name, say.small(g.damage, 3), say.share(g.share, 1),
-            say.short(g.time / 60, 3),
+            name, say.small(g.damage, 3), say.share(g.share, 1), say.short(g.time / 60, 3),
         )  # fmt: skip
         per = g.damage / (g.distance / 1e3) if g.distance > 0 else math.nan
-        way = (say.short(g.distance / 1e3, 3), "-" if math.isnan(per) else say.small(per, 3))
+        far = "-" if math.isnan(g.distance) else say.short(g.distance / 1e3, 3)
+        way = (far, "-" if math.isnan(per) else say.small(per, 3))
         found.append((*row, *way) if known else row)
+
+    for g in sorted(of.groups[sort], key=lambda g: -g.damage):
+        add(say.pointed(g.name) if sort == "gear" else g.name, g)
+    if of.unknown[sort].time > 0:
+        add(say(NONE[sort]), of.unknown[sort])
+    row = (say(OPEN), say.small(of.open_damage, 3), say.share(of.open, 1), "-")
+    found.append((*row, "-", "-") if known else row)
     return found
 
 

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from cardan.base.arrays import FloatArray
+from cardan.base.arrays import BoolArray, FloatArray
 from cardan.base.errors import (
     BadFile,
     CardanError,
@@ -24,7 +24,7 @@ from cardan.base.part import Occasion, Part
 from cardan.base.units import hour
 from cardan.base.verdict import Check, Limit, Unanswered, Verdict
 from cardan.fatigue import life as room
-from cardan.fatigue.angle import Angle
+from cardan.fatigue.angle import DARK, Angle
 from cardan.fatigue.background import Mode, background, modes
 from cardan.fatigue.beside import FOUR_CYLINDERS
 from cardan.fatigue.cause import FIRING, separation, suspects
@@ -39,7 +39,7 @@ from cardan.fatigue.orders import Rotation
 from cardan.fatigue.quality import VETO, decided
 from cardan.fatigue.rainflow import Cycles, ResidueRule, discarded, join, repeating
 from cardan.fatigue.recording import Recording, alongside, between
-from cardan.fatigue.usage import Usage, customer, seconds_in, usage
+from cardan.fatigue.usage import Usage, customer, second_at, seconds_in, usage
 from cardan.files.campaign import Campaigned, Drive, Segment
 from cardan.files.campaign import read as campaigned
 from cardan.files.recordings import open_recording
@@ -834,15 +834,30 @@ def _unsaid(
         )
     channel, driven = campaign.speed, campaign.axle_ratio is not None
     found: list[str] = []
-    if any(lost := _unheard(angle, seconds)):
+    back = float(np.diff(angle.negative).sum())
+    signless = angle.negative if not angle.sized else angle.negative[:0]
+    if back and angle.sized:
+        yield (
+            f"{channel}: negative for {back:.3g} s: reverse, or its sign is the other way round; "
+            "it counts by its size"
+        )
+    elif back:
+        found.append(
+            f"{channel}: negative for {back:.3g} s, one number throughout: reverse, its sign the "
+            "other way round, or a number for none"
+        )
+    lost = _unheard(angle, seconds)
+    ends = np.array([(0.0, lost[0]), (seconds - lost[1], seconds)])
+    if any(lost) and not _within(ends[np.array(lost) > 0], signless).all():
         found.append(
             f"{channel}: no speed in the first {lost[0]:.3g} s and the last {lost[1]:.3g} s"
         )
-    if len(angle.holes):
-        long = np.diff(angle.holes)[:, 0]
+    holes = angle.holes[~_within(angle.holes, signless)]
+    if len(holes):
+        long = np.diff(holes)[:, 0]
         found.append(
             f"{channel}: no speed for {long.sum():.3g} s, longest hole {long.max():.3g} s, the "
-            f"first at {angle.holes[0, 0]:.4g} s"
+            f"first at {holes[0, 0]:.4g} s"
         )
     for said in found:
         if not driven or campaign.tyre_radius_m is None:
@@ -853,6 +868,12 @@ def _unsaid(
             )
         else:
             yield f"{said}: damage there is of no band of speed, and km are not known"
+
+
+def _within(runs: FloatArray, others: FloatArray) -> BoolArray:
+    """Return which of some runs (k, 2) s are one of others (m, 2) but for a moment at its ends."""
+    off = np.abs(runs[:, None] - others[None]).max(-1)
+    return (off < DARK).any(-1)
 
 
 def _distance(campaign: Campaign, angle: Angle | None, seconds: float) -> float:
@@ -1060,6 +1081,7 @@ def _used(
         engine=campaign.engine_of(recording) if angle is not None else None,
         torque=campaign.read_torque(recording) if campaign.torque else None, per_turn=per_turn,
         begins=recording.begins, held=angle is None or _held(angle, samples / recording.rate),
+        second=second_at(recording.rate),
     )  # fmt: skip
 
 

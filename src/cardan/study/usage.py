@@ -12,6 +12,7 @@ from cardan.fatigue.life import GaugeLife, Plan
 from cardan.fatigue.long_run import LongRun, long_run
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.usage import (
+    SECOND,
     Group,
     Usage,
     bands,
@@ -30,10 +31,16 @@ KEPT = 0.95
 ALONE = 1.0
 """Seconds from the next value of a torque beyond which none is told."""
 
+OFTEN = 10
+"""Times a second at which it is known what gear was in."""
+
 
 @dataclass(frozen=True)
 class Place:
-    """A largest stress: Pa, s, m since the start, turns/s, N m, ratio of the gear; nan unknown."""
+    """A largest stress: Pa, s, m since the start, turns/s, N m, ratio of the gear; nan unknown.
+
+    Speed, torque and gear are those at its own time.
+    """
 
     stress: float
     time: float
@@ -52,9 +59,14 @@ class Used:
     gauge
         Its name.
     groups
-        Damage by "gear", "speed" and "torque", where these are known.
+        Damage by "gear", "speed" and "torque", where these are known: of each second by its mean
+        speed, and by torque and gear when its stress was farthest from its level.
+    unknown
+        By the same, damage of the seconds that are in none of these groups.
     open
         Share of the damage that is of the open residue, of no second.
+    open_damage
+        What that is; with `groups` and `unknown` it is the whole damage.
     places
         The largest stresses.
     long_run
@@ -67,7 +79,9 @@ class Used:
 
     gauge: str
     groups: Mapping[str, list[Group]]
+    unknown: Mapping[str, Group]
     open: float
+    open_damage: float
     places: list[Place]
     long_run: LongRun
     shortened: float
@@ -77,7 +91,7 @@ class Used:
 def used(
     found: Iterable[Usage], lives: Sequence[GaugeLife], *, count: int, plan: Plan,
     angle: Angle | None, engine: Rotation | None, torque: tuple[FloatArray, float] | None,
-    per_turn: float, begins: float = 0.0, held: bool = True,
+    per_turn: float, begins: float = 0.0, held: bool = True, second: float = SECOND,
 ) -> tuple[Used, ...]:  # fmt: skip
     """Return the damage of gauges by what was driven.
 
@@ -98,72 +112,124 @@ def used(
         Where the recording does on the clock of its file, by which times are told.
     held
         Whether the way there is counted with the speed beside it; unknown otherwise.
+    second : s
+        How long each of what is told apart lasts.
     """
-    middle: FloatArray = np.asarray(np.arange(count) + 0.5, float)
-    shaft = None if angle is None else angle.rotation
-    speed = np.full(count, np.nan) if shaft is None else shaft.speed(middle)
-    turns = None if shaft is None else np.diff(shaft.at(np.arange(count + 1.0)))
-    unknown = np.zeros(count, bool) if angle is None else angle.unsaid(middle)
-    speed[unknown] = np.nan
-    metres = None if turns is None or np.isnan(per_turn) else turns * per_turn
+    driven = _Driven(count, second, angle, engine, torque)
+    metres = None if driven.turns is None or np.isnan(per_turn) else driven.turns * per_turn
     if metres is not None and not held:
-        metres[unknown] = np.nan
-    load = np.full(count, np.nan)
-    if torque is not None:
-        read, often = torque
-        known = ~np.isnan(read)
-        if known.any():
-            at = np.arange(read.size) / often
-            load = np.interp(middle, at[known], read[known])
-            load[_far(middle, at[known]) > max(ALONE, 1 / often)] = np.nan
-    gear = [""] * count
-    if shaft is not None and engine is not None:
-        gear = ["" if np.isnan(r) else f"{r:.3g}" for r in gear_ratios(shaft, engine, middle)]
-        gear = ["" if out else name for name, out in zip(gear, unknown, strict=True)]
-    sorts: dict[str, list[str]] = {}
-    if any(gear):
-        sorts["gear"] = gear
-    if shaft is not None:
-        sorts["speed"] = [_scaled(b, 60.0) for b in bands(speed, step=SPEED)]
-    if not np.isnan(load).all():
-        sorts["torque"] = bands(load, step=TORQUE)
+        metres[driven.unknown] = np.nan
     way = None if metres is None else np.append(0.0, np.cumsum(metres))
 
     def gone(time: float) -> float:
-        return np.nan if way is None else float(np.interp(time, np.arange(count + 1), way))
+        if way is None:
+            return np.nan
+        return float(np.interp(time, second * np.arange(count + 1), way))
 
     def told(one: Usage, life: GaugeLife) -> Used:
         n = one.damage.size
-        whole = float(one.damage.sum()) + one.open
-
-        def placed(time: float) -> int:
-            return min(int(time), n - 1)
-
+        sorts = {
+            name: grouped(one, sort[:n], metres=None if metres is None else metres[:n])
+            for name, sort in driven.sorts(one.farthest).items()
+        }
+        largest = peaks(one)
+        when: FloatArray = np.array([p.time for p in largest], float)
+        beside = zip(
+            largest, driven.speed_at(when), driven.torque_at(when), driven.gear_at(when),
+            strict=True,
+        )  # fmt: skip
         return Used(
             gauge=life.name,
-            groups={
-                name: grouped(one, sort[:n], metres=None if metres is None else metres[:n])
-                for name, sort in sorts.items()
+            groups={name: [g for g in groups if g.name] for name, groups in sorts.items()},
+            unknown={
+                name: next((g for g in groups if not g.name), NOWHERE)
+                for name, groups in sorts.items()
             },
-            open=one.open / whole if whole else 0.0,
+            open=one.open / one.whole if one.whole else 0.0,
+            open_damage=one.open,
             places=[
-                Place(
-                    p.stress, begins + p.time,
-                    gone(p.time),
-                    float(speed[placed(p.time)]), float(load[placed(p.time)]),
-                    gear[placed(p.time)],
-                )
-                for p in peaks(one)
+                Place(p.stress, begins + p.time, gone(p.time), float(speed), float(load), gear)
+                for p, speed, load, gear in beside
             ],
             long_run=long_run(one, curve=plan.curve),
             shortened=shortened(
                 one, keep=KEPT, curve=plan.curve, correction=plan.correction, rule=plan.rule
             ),
-            amplitude=equal_amplitude(whole, cycles=plan.curve.cycles, curve=plan.curve)
-            if whole > 0 else 0.0,
+            amplitude=equal_amplitude(one.whole, cycles=plan.curve.cycles, curve=plan.curve)
+            if one.whole > 0 else 0.0,
         )  # fmt: skip
 
     return tuple(map(told, found, lives))  # which lets go of each before it asks for the next
+
+
+NOWHERE = Group("", 0.0, 0.0, 0.0, 0.0, 0.0)
+"""What is in no group where every second is in one."""
+
+
+class _Driven:
+    """What was driven at any time: some numbers for each second of it."""
+
+    def __init__(
+        self, count: int, second: float, angle: Angle | None, engine: Rotation | None,
+        torque: tuple[FloatArray, float] | None,
+    ) -> None:  # fmt: skip
+        middle: FloatArray = np.asarray(second * (np.arange(count) + 0.5), float)
+        self.angle, self.middle = angle, middle
+        self.unknown = np.zeros(count, bool) if angle is None else angle.unsaid(middle)
+        self.turns: FloatArray | None = None
+        self.speed = np.full(count, np.nan)
+        self.names, self.codes, self.often = [""], np.zeros(1, np.intp), OFTEN / second
+        if angle is not None:
+            self.turns = np.diff(angle.rotation.at(second * np.arange(count + 1.0)))
+            self.speed = np.where(self.unknown, np.nan, self.turns / second)
+        if angle is not None and engine is not None:
+            at: FloatArray = np.asarray((np.arange(count * OFTEN) + 0.5) / self.often, float)
+            ratio = gear_ratios(angle.rotation, engine, at)
+            ratio[angle.unsaid(at)] = np.nan
+            known = ~np.isnan(ratio)
+            told, place = np.unique(ratio[known].round(9), return_inverse=True)  # few: gears
+            self.names = ["", *(f"{r:.3g}" for r in told)]
+            self.codes = np.zeros(at.size, np.intp)
+            self.codes[known] = place + 1
+        self.read, self.at, self.alone = np.empty(0), np.empty(0), ALONE
+        if torque is not None:
+            read, often = torque
+            known = ~np.isnan(read)
+            self.read, self.at = read[known], np.flatnonzero(known) / often
+            self.alone = max(ALONE, 1 / often)
+
+    def speed_at(self, time: FloatArray) -> FloatArray:
+        """Return the shaft's speed (n,) turns/s at times (n,) s."""
+        if self.angle is None:
+            return np.full(time.size, np.nan)
+        return np.where(self.angle.unsaid(time), np.nan, self.angle.rotation.speed(time))
+
+    def torque_at(self, time: FloatArray) -> FloatArray:
+        """Return the torque (n,) N m at times (n,) s."""
+        if not self.at.size:
+            return np.full(time.size, np.nan)
+        load = np.interp(time, self.at, self.read)
+        load[_far(time, self.at) > self.alone] = np.nan
+        return load
+
+    def gear_at(self, time: FloatArray) -> list[str]:
+        """Return the gear's name at each time (n,) s, "" in none."""
+        place = np.nan_to_num(time * self.often).astype(np.intp).clip(0, self.codes.size - 1)
+        there = np.where(np.isnan(time), 0, self.codes[place])
+        return [self.names[k] for k in there.tolist()]
+
+    def sorts(self, time: FloatArray) -> dict[str, list[str]]:
+        """Name the sort of each second (n,), with torque and gear at a time (n,) s within it."""
+        found: dict[str, list[str]] = {}
+        # Of what was not heard it is told how it was driven all the same.
+        time = np.where(np.isnan(time), self.middle[: time.size], time)
+        if any(self.names):
+            found["gear"] = self.gear_at(time)
+        if self.angle is not None:
+            found["speed"] = [_scaled(b, 60.0) for b in bands(self.speed, step=SPEED)]
+        if self.at.size:
+            found["torque"] = bands(self.torque_at(time), step=TORQUE)
+        return found
 
 
 def _far(time: FloatArray, others: FloatArray) -> FloatArray:
