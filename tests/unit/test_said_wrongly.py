@@ -423,6 +423,10 @@ def test_damage_done_while_nothing_told_the_speed_acquits_nobody(tmp_path, innoc
     assert (told, high) == ("cannot tell", pytest.approx(1, abs=0.01))
     calm = {**silent, "S1": silent["S1"] * np.where(dark, 0.3, 1)}
     assert finding(written(tmp_path, calm))[0] == "innocent"
+    # Nor while it went back, whose angle is another's.
+    back = {**rough, "eng": innocent["eng"], "rpm": np.where(dark, -1, 1) * innocent["rpm"]}
+    told, _, (_, high) = finding(written(tmp_path, back))
+    assert (told, high) == ("cannot tell", pytest.approx(1, abs=0.01))
 
 
 def test_how_long_nothing_says_how_fast_a_shaft_turned(innocent):

@@ -293,9 +293,9 @@ class _Case:
 
     @cached_property
     def unheard(self) -> float:
-        """Return the share of damage done while nothing says how fast the shaft turned."""
+        """Return the share of damage done while nothing says how fast it turned, or it went back."""
         time = self.start + np.arange(self.stress.size) / (self.rate * self.every)
-        said = ~self.angle.unsaid(time)
+        said = ~(self.angle.unsaid(time) | self.angle.below(time))
         if said.all() or not self.whole > 0:
             return 0.0
         return 1 - self.damage(self.stress[said]) / self.whole if said.any() else 1.0
