@@ -618,7 +618,7 @@ def _not_locked(case: _Case) -> Identified:
     if case.losing.any():
         span = span.up_to(case.removed(case.besides(wave)) + 0.05)
     span = case.sudden(case.x, case.elsewhere(span))
-    if case.angle.trusted and span.high <= ACQUITTED:
+    if span.high <= ACQUITTED:
         span = case.passing(case.x, span)
     span = case.pulling(wave, span)
     low, high, theirs = span.low, min(span.high, 1.0), wave
