@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib import import_module
 from itertools import islice, repeat, tee
 from typing import TypeAlias
 
@@ -495,6 +496,8 @@ def counted(
     # Of each sample there are so many more, of every gauge in every way.
     few = _few(len(how) * len(gauges)) // BETWEEN
     between = finer(x[:, sharp] for x in cut(fine, size=few))
+    # Threads import parts of it when they first need them: two that meet at its own break it.
+    import_module("scipy")
     with ThreadPoolExecutor(4) as pool:
 
         def sharpened(pieces: Iterable[FloatArray]) -> None:
