@@ -293,7 +293,7 @@ class _Case:
 
     @cached_property
     def unheard(self) -> float:
-        """Return the share of damage done while nothing says how fast it turned, or it went back."""
+        """Return the share of damage done while its speed is not known, or is below nought."""
         time = self.start + np.arange(self.stress.size) / (self.rate * self.every)
         said = ~(self.angle.unsaid(time) | self.angle.below(time))
         if said.all() or not self.whole > 0:
