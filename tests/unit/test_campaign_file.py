@@ -135,20 +135,21 @@ def test_what_lies_behind_the_end_of_a_recording_is_said(folder):
 def test_of_what_was_driven_nowhere_the_mix_knows_no_way(folder):
     """A speed that never turned counted as nought kilometres: its damage was nobody's way."""
     turning = 1000 + 10 * T[::50]
-    for name, speed in (("still.csv", -turning), ("can.csv", turning)):
-        table(folder / name, time=T[::50], speed=speed)
+    for name, speed in (("still", 0 * turning), ("back", -turning), ("can", turning)):
+        table(folder / f"{name}.csv", time=T[::50], speed=speed)
     text = CAMPAIGN.replace(
         "{file: town.csv, times: 3}", "{file: town.csv, beside: [{file: OTHER}]}"
     )
     text += "speed: speed:rpm\naxle_ratio: 4.3\ntyre_radius_m: 0.5\n"
     kilometres = {}
-    for other in ("can.csv", "still.csv"):
-        (folder / "c.yaml").write_text(text.replace("OTHER", other))
+    for other in ("can", "back", "still"):
+        (folder / "c.yaml").write_text(text.replace("OTHER", f"{other}.csv"))
         done = run("life", folder / "c.yaml", "--json")
         assert done.exit_code in (0, 1), done.output
         kilometres[other] = json.loads(done.output)["gauges"][0]["km"]
-    assert kilometres["can.csv"] > 0
-    assert kilometres["still.csv"] is None
+    assert kilometres["back"] == pytest.approx(kilometres["can"], rel=1e-9)
+    assert kilometres["can"] > 0
+    assert kilometres["still"] is None
 
 
 def test_a_rule_of_a_time_counts_before_one_of_all(folder):
