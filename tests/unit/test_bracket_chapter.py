@@ -428,6 +428,14 @@ def test_a_long_life_is_not_told_in_figures():
     assert shown.hours(1.1e16, Language("en")) == "> 1000000"
     assert shown.hours(np.inf, Language("en")) == "> 1000000"
     assert shown.hours(0.25, Language("en")) == "0.25"
+    for value, told in (
+        (4330.4, "4330"),
+        (999.6, "1000"),
+        (999.4, "999"),
+        (1234567.0, "> 1000000"),
+    ):
+        assert shown.hours(value, Language("en")) == told
+    assert shown.hours(475.1, Language("it"), (353, 1090)) == "475\N{NO-BREAK SPACE}(353…1090)"
     assert shown.hours(np.nan, Language("en")) == "-"
 
 

@@ -310,7 +310,8 @@ def hours(value: float, say: Language, within: Iterable[float] = (np.nan, np.nan
 
 def _three(value: float, say: Language) -> str:
     """Return hours to three digits, thousands of them written out."""
-    return f"{float(f'{value:.3g}'):.0f}" if value >= 1e3 else say.pointed(f"{value:.3g}")
+    told = f"{value:.3g}"
+    return f"{float(told):.0f}" if "e+" in told else say.pointed(told)
 
 
 def _features(of: BracketAnswer, v: Judged, say: Language, width: int) -> Iterator[str]:
