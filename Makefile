@@ -63,7 +63,7 @@ pictures: $(VENV)/cardan-browser $(VENV)/cardan-test $(PAGE)   ## the workbench'
 front: web/node_modules   ## the workbench's page: types and unit tests
 	cd web && npm run --silent types && npm run --silent test
 
-slow: $(VENV)/cardan-test  ## what takes minutes: hundreds of recordings made to mislead
+slow: $(VENV)/cardan-test  ## what takes seconds or minutes: recordings made to mislead, searches, bombs
 	$(PYTEST) -m "slow and not bracket and not oracle and not long"
 
 mutants: $(VENV)/cardan-test  ## small wrong changes, one by one: each must turn a test red

@@ -238,6 +238,7 @@ def test_every_choice_of_parts_counts_as_its_sum(seed):
         assert open_now[choice].tolist() == left.tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("loops")
 @modest
 @given(rows=pieces, residues=pieces)

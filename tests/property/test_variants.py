@@ -111,6 +111,7 @@ def cases(draw: st.DrawFn):
     return name, {at: varied(numbers[at], draw(factors(3))) for at in some}
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(case=cases())
 def test_a_batch_is_its_variants_one_by_one(case):

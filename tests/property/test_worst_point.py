@@ -67,6 +67,7 @@ def test_nowhere_does_a_bearing_go_farther(name):
         assert (worst >= dense * SHORT).all(), (r.line.name, (dense / worst).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [3, 6, 10, 12, 20, 22, 46])
 def test_nor_on_any_rubber(seed):
     """Random rubber, losses and torque stiffness: modes that meet, cross and lie far apart.

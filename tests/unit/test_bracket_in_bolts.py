@@ -73,6 +73,7 @@ def test_what_the_bolts_hold_is_told_of_the_worst_moment():
     assert contact().share(pulled(1.6 * BEARS)) == pytest.approx(1.6, rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("swapped", [False, True])
 def test_what_the_bolts_hold_is_asked_of_both_frames(swapped):
     """On a bed as soft as a tenth of the ground a foot slips under a tenth less than on a hard one.

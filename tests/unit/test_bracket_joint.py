@@ -132,6 +132,7 @@ def test_what_balance_bears_is_bounded_by_its_plane(seed):
     assert tight.unbalanced(loads[1])[0] >= plane @ loads[1] - 1e-9
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [21, 25, 30])
 def test_contact_bears_less_than_balance(seed):
     """What presses moves as it slips; up to what is told contact is found, and beyond it none."""

@@ -90,6 +90,7 @@ def test_a_crash_there_is_a_message_here():
     assert told == ["now"]
 
 
+@pytest.mark.slow
 def test_what_takes_too_long_or_too_much_is_stopped():
     start = time.monotonic()
     with pytest.raises(Stopped, match=r"longer than 0\.0\d+ minutes"):
@@ -160,6 +161,7 @@ def test_who_is_killed_leaves_no_folder_behind(tmp_path):
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.slow
 def test_who_waits_for_a_busy_processor_is_not_stopped_for_it():
     """It sleeps for twice its seconds. A bracket was stopped, with 183 of its 900 s worked."""
     assert apart(sleep, 4.0, tell=print, memory=4e9, seconds=2.0) is None

@@ -244,6 +244,7 @@ def test_a_report_says_what_narrows_a_bar_as_the_terminal_does(code):
     assert [line for line in report_of(changed(features=wide), say) if "`element_mm`" in line]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", CODES)
 def test_what_the_flange_leaves_open_is_told_with_what_settles_it(code):
     """Between 20 and 22.6 million hours helped nobody, and nothing said that `bolts` tells more."""

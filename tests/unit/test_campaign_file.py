@@ -132,6 +132,7 @@ def test_what_lies_behind_the_end_of_a_recording_is_said(folder):
     ]
 
 
+@pytest.mark.slow
 def test_of_what_was_driven_nowhere_the_mix_knows_no_way(folder):
     """A speed that never turned counted as nought kilometres: its damage was nobody's way."""
     turning = 1000 + 10 * T[::50]

@@ -111,6 +111,7 @@ def test_several_files_end_as_the_worst_of_them(tmp_path):
         assert run("check", "-q", *files_).exit_code == code
 
 
+@pytest.mark.slow
 def test_another_study_counts_in_the_same_verdict(tmp_path):
     """Its checks stand among the others; what was asked is not among what was not."""
     file, out = written(tmp_path, files.starter("truck")), tmp_path / "out.json"
@@ -165,6 +166,7 @@ def test_quiet_says_the_verdict_alone(small):
     assert json.loads(run("check", "-q", "--json", "-", small).stdout)["verdict"]
 
 
+@pytest.mark.slow
 def test_all_has_a_row_for_each_check_and_without_it_each_limit_has_one():
     file = EXAMPLES / "refuse-collector-6x2.yaml"
     checks = json.loads(run("check", "--json", "-", file).stdout)["checks"]
@@ -185,6 +187,7 @@ def test_all_has_a_row_for_each_check_and_without_it_each_limit_has_one():
     assert grades == sorted(grades, key=["fail", "warn", "pass"].index)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("wide", [80, 120])
 @pytest.mark.parametrize("options", [(), ("--all",), ("--lang", "it"), ("--states",)])
 def test_a_check_fits_the_terminal_and_cuts_nothing(wide, options, monkeypatch):
@@ -713,6 +716,7 @@ def test_fix_says_why_nothing_is_proposed_where_a_move_would_help():
     assert "pinion nose up 1 deg gives 2.518, but then fail: Acceleration of a joint" in told
 
 
+@pytest.mark.slow
 def test_a_proposal_tells_what_it_spoils():
     said = " ".join(
         run("fix", "--count", "2", EXAMPLES / "refuse-collector-6x2.yaml").stdout.split()

@@ -47,6 +47,7 @@ def signed(text, which, **bounds):
     return app, script.with_(deviated(script, app.limits, which, to, profile=app.profile))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", WAYS)
 def test_one_limit_is_another_and_the_rest_is_as_it_was(way):
     text = WAYS[way]

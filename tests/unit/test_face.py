@@ -45,6 +45,7 @@ def test_importing_costs_nothing_until_something_is_asked_for():
     assert run("import cardan.study.approval, sys; print('cardan.face' in sys.modules)") == "False"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "first", ["import cardan.study.fix, cardan.loads, cardan.bracket.gauges", "pass"]
 )

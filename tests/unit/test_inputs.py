@@ -91,6 +91,7 @@ def said(app, say):
     return [(i.group, i.name, i.value) for i in inputs(app, say)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "of", [*EXAMPLES, RARE, ODD], ids=[*(p.stem for p in EXAMPLES), "rare", "odd"]
 )

@@ -147,6 +147,7 @@ def gigabyte():
     }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("who", ["zstd", "zstd, many", "zstd, skipped", "lz4", "lz4, unsaid"])
 @pytest.mark.parametrize("turned", [0, 1])
 def test_a_bomb_of_another_packer(tmp_path, gigabyte, who, turned):

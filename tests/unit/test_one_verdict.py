@@ -194,6 +194,7 @@ OF_EACH_KIND = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", chief(ASKED, *OF_EACH_KIND))
 @pytest.mark.usefixtures("drawn_once")
 def test_what_fails_by_a_millionth_fails_in_every_medium(quantity, tmp_path, monkeypatch):
@@ -578,6 +579,7 @@ def test_a_profile_without_a_study_s_limits_does_not_pass_what_the_study_finds(a
     assert alone.verdict == "fail"
 
 
+@pytest.mark.slow
 def test_a_chapter_that_nothing_was_held_against_does_not_pass(undamped):
     (vibration,) = [f for f in undamped.findings if f.study == VIBRATION]
     text = next(chapter(replace(vibration, checks=()), Language("en")))

@@ -271,6 +271,7 @@ def test_shear_is_said(tmp_path):
     assert quality["verdict"] == "good"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["Time_ms", "time_ms", "Time (ms)", "t ms", "Zeit[ms]", "time_ns"])
 def test_a_clock_says_its_unit_in_its_name(tmp_path, name):
     path = written(tmp_path, {"S1": clean()}, clock=name)

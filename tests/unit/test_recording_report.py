@@ -71,6 +71,7 @@ def test_what_is_more_assumed_than_told_is_shown_with_its_interval_and_never_rew
     assert parameter(replace(turned, told=True), say)[-1] == "otherwise than written"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", CODES)
 def test_a_page_and_a_document_tell_it_in_every_language(found, code, tmp_path):
     say = Language(code)

@@ -295,6 +295,7 @@ def test_tdms(tmp_path):
     refused(tmp_path / "b.tdms", "TDMS cannot open it")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_mdf(tmp_path, monkeypatch):
     asammdf = pytest.importorskip("asammdf")
@@ -322,6 +323,7 @@ def test_mdf(tmp_path, monkeypatch):
     assert not said
 
 
+@pytest.mark.slow
 def test_an_mdf_is_read_in_stretches_and_not_mapped(tmp_path):
     """Pages of a mapped file are the process' own as long as nobody else asks for them."""
     asammdf = pytest.importorskip("asammdf")
@@ -571,6 +573,7 @@ def test_a_bus_that_falls_silent_leaves_its_speed_unknown(tmp_path):
     assert "n: no value for 6 s, longest hole 6 s, the first at 12 s" in recording.notes
 
 
+@pytest.mark.slow
 def test_an_mdf_is_opened_without_reading_it(tmp_path):
     """What was asked of one record read all of them, twice over in memory."""
     asammdf = pytest.importorskip("asammdf")

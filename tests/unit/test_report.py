@@ -154,6 +154,7 @@ def test_translations_keep_what_is_filled_in():
             assert set(re.findall(r"{(\w+)}", other)) == set(re.findall(r"{(\w+)}", english))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", chief(EXAMPLES, *TOLD, ids=lambda p: p.stem))
 def test_every_example_is_told_in_every_language(path):
     """A text composed at run time and missing in the catalogue is found here."""
@@ -244,6 +245,7 @@ def read(text: str) -> Reader:
     return reader
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code", CODES)
 def test_page_needs_nothing_else(told, code):
     text = page(told[code])

@@ -108,6 +108,7 @@ def test_every_letter_a_document_shows_is_in_its_fonts():
     assert made.startswith(b"%PDF-")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", sorted(EXAMPLE.parent.glob("*.yaml")), ids=lambda p: p.stem)
 def test_the_programs_own_letters_are_among_them(path):
     # Nobody sees what stands between the plural forms of a text; every form is shown.
@@ -180,6 +181,7 @@ def test_of_many_letters_some_are_named():
 # --------------------------------------------------------------------------- names
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", NAMES)
 def test_any_title_goes_into_every_medium(kind):
     text = titled(NAMES[kind])
@@ -191,6 +193,7 @@ def test_any_title_goes_into_every_medium(kind):
     assert openpyxl.load_workbook(BytesIO(data)).sheetnames
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, len(NAMES), 3))
 def test_any_name_of_a_state_or_part_goes_into_every_medium(first):
     text = EXAMPLE.read_text(encoding="utf-8")

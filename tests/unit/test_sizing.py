@@ -177,6 +177,7 @@ def sized(weak):
     return sizing(weak)
 
 
+@pytest.mark.slow
 def test_what_is_proposed_together_is_what_the_approval_says(weak, sized):
     application = weak
     for remedy in sized.remedies:
@@ -240,6 +241,7 @@ def test_a_shaft_that_whirls_is_made_stiffer_or_shorter():
     assert any(c.grade != "pass" for c in checks)
 
 
+@pytest.mark.slow
 def test_what_is_answered_did_not_pass_before():
     """The MTV's joints have no reversing torque; one taken for their life warned by its own."""
     application = files.read(ROOT / "examples/mtv-6x6.yaml")
@@ -290,6 +292,7 @@ def test_the_users_own_catalogue_is_on_offer(tmp_path):
     assert str(tube.offer.part.source) == "drawing 4"
 
 
+@pytest.mark.slow
 def test_a_check_names_the_next_size_where_nothing_can_be_moved(weak, tmp_path):
     file = tmp_path / "truck.yaml"
     file.write_text(WEAK, encoding="utf-8")

@@ -251,6 +251,7 @@ def test_order_2_that_meets_a_mode_while_the_clutch_slips_is_judged(truck):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_gear_that_runs_through_a_resonance_warns(found, truck):
     answer = approve(files.read(truck), (VibrationStudy(),))
     w, ranges = found.closed.frequencies, found.closed.ranges
@@ -320,6 +321,7 @@ def test_half_the_damping_makes_resonance_higher():
     assert np.nanmax(loose.closed.torque[3]) > 1.3 * np.nanmax(damped.closed.torque[3])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rolling")
 def test_an_engine_beyond_what_the_tyres_hold_shakes_no_harder(truck):
     """On ice the wheels slip in first gear, whatever the engine gives."""
@@ -461,6 +463,7 @@ def test_the_ramp_makes_the_peak_and_the_joints_next_to_nothing(starts):
     assert dropped.lowest[dropped.first] < 0 < smooth.lowest[smooth.first]
 
 
+@pytest.mark.slow
 def test_a_clutch_slips_until_it_locks_and_the_vehicle_moves(starts):
     _, _, (smooth, *_) = starts
     assert 0.1 < smooth.locked < 1.0
@@ -599,6 +602,7 @@ def test_a_motor_fires_nothing_idles_not_and_starts_without_a_clutch():
     assert np.isfinite(with_one.locked)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rolling")
 @pytest.mark.parametrize("example", ["tandem-6x4", "pick-up-4x4"])
 def test_the_order_of_a_file_s_lines_is_no_matter(example):

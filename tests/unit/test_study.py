@@ -354,6 +354,7 @@ def test_where_settings_are_few_none_is_better_or_cheaper(truck, hold):
     assert max(p.margin for p in found) == pytest.approx(max(least.values()), abs=NOTABLE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("asked", ["all settings", "some", "what fails too"])
 def test_no_warning_is_mended_by_what_fails(asked, monkeypatch):
     """A truck that warns was told three moves, each of which made it fail: -54 % to -31 %."""
@@ -524,6 +525,7 @@ def test_advice_keeps_to_what_may_be_moved(truck):
             assert low * mm <= e.low <= e.high <= high * mm
 
 
+@pytest.mark.slow
 def test_what_would_help_tells_what_it_spoils():
     """Each move by itself, every check of it: the refuse collector's bearing up fails a joint.
 

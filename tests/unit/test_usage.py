@@ -422,6 +422,7 @@ def test_only_what_is_known_is_told_of_a_speed_that_begins_late_and_ends_early(
         assert "and km are not known" in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("holes", "held"),
     [([(60.0, 60.7)], True), ([(60.0, 70.0), (145.0, 155.0)], True), ([(100.0, 190.0)], False)],
@@ -466,6 +467,7 @@ def test_no_torque_is_told_where_none_was_written(tmp_path):
     assert second["torque_Nm"] == pytest.approx(400)
 
 
+@pytest.mark.slow
 def test_of_a_day_no_more_is_held_than_where_it_turns():
     """A day of five gauges took a gigabyte: some arrays of a few numbers for each second of it."""
     held = []

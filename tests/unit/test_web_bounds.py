@@ -41,6 +41,7 @@ def settled(one):
     return text
 
 
+@pytest.mark.slow
 @linux
 def test_a_job_past_its_memory_is_told_so_and_nobody_else_is(own):
     """Held to 60 MB more than it has, a yield of 60,000 trucks ends; the next is answered."""
@@ -98,6 +99,7 @@ def tdms(honest, bomb):
     bomb.write_bytes(blocks.segment(both, by_rows=True, claimed=10**9))
 
 
+@pytest.mark.slow
 @linux
 @pytest.mark.parametrize(
     ("ending", "made", "why"),
@@ -135,6 +137,7 @@ def most_memory(pid):
     return 1024 * int(said.split("VmHWM:")[1].split()[0])
 
 
+@pytest.mark.slow
 @linux
 def test_a_job_past_its_seconds_of_processors_is_ended(own):
     """Each answer has its own: what the ones before took does not count."""
@@ -191,6 +194,7 @@ def test_a_kill_during_a_long_job_is_told_and_the_next_has_a_new_process(own):
         assert one.hear("done")["fault"] == "cancelled"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "why"),
     [(BOMB, "over 200000 entries"), ("a: " + "[" * 100_000, "nested 32 deep"),

@@ -50,6 +50,7 @@ def job(name, text=TRUCK, parts=None, lang="en", **args):
 # ------------------------------------------------------------------ how they run
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGSTOP"), reason="holds a process still")
 def test_what_is_done_at_once_does_not_wait_behind_what_takes_minutes(house):
     """The limits had come 17 s after they were asked for, behind a bracket.
@@ -437,6 +438,7 @@ def test_what_is_required_and_missing_leaves_cells_and_cases_incomplete():
         assert says.lower() in told["lost"][0]["name"].lower()
 
 
+@pytest.mark.slow
 def test_what_a_second_line_fails_fails():
     """The moves are of the main line alone."""
     text = (ROOT / "examples" / "tandem-6x4.yaml").read_text("utf-8")
@@ -639,6 +641,7 @@ def test_a_command_counts_with_what_is_not_saved_yet(tmp_path):
     assert "({} fail, {} warn, {} pass".format(*counts) in shell
 
 
+@pytest.mark.slow
 def test_corrections_are_those_of_the_command_beside_them(tmp_path, monkeypatch):
     """With what is held: `cardan fix` alone had moved the bearing that was to stay."""
     (tmp_path / "a truck.yaml").write_text(TRUCK, "utf-8")
@@ -694,6 +697,7 @@ def test_a_map_is_that_of_the_command_and_of_the_script_below_it(tmp_path, monke
     assert found["study"].count == 33 * 33
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", ["x'$(touch pwned)`touch pwned`", "a\\nEND\\ntouch pwned", "-rf"])
 def test_no_name_in_a_study_is_a_command(tmp_path, line):
     name = "a'$(touch pwned) b.yaml"

@@ -31,6 +31,7 @@ def kept(page):
     return json.loads(found[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
 @pytest.mark.usefixtures("built")
 def test_it_holds_the_verdict_and_every_state(path):

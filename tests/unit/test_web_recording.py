@@ -272,6 +272,7 @@ def test_what_is_masked_and_where_it_is_cut_count(run):
         assert str(run.parent) not in told["problems"][0]["message"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("lang", "typed", "hours"),
     [("en", "10 000", 1e4), ("en", "1e4", 1e4), ("pt", "10 000", 1e4), ("en", "10.000", 10.0),
@@ -429,6 +430,7 @@ def test_a_suspect_is_decided_in_the_file_of_a_campaign(run):
     assert gone["problems"][0]["key"] == "recordings[1].mask"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["html", "json", "pdf"])
 def test_a_campaign_is_reported_as_its_command_does(run, kind):
     text = CAMPAIGNED[: CAMPAIGNED.index("  - file")] + CAMPAIGNED[CAMPAIGNED.index("gauges") :]
@@ -454,6 +456,7 @@ def test_a_campaign_is_reported_as_its_command_does(run, kind):
     assert not any("100" in d for d in doing)
 
 
+@pytest.mark.slow
 def test_a_campaign_is_held_beside_another_and_asked_again_by_a_script(run, monkeypatch):
     """What differs by its address, as it is written; the script asks as `cardan life` does."""
     text = CAMPAIGNED[: CAMPAIGNED.index("  - file")] + CAMPAIGNED[CAMPAIGNED.index("gauges") :]
@@ -477,6 +480,7 @@ def test_a_campaign_is_held_beside_another_and_asked_again_by_a_script(run, monk
     assert done.stdout.strip() == str(cardan.life(path.name)).strip()
 
 
+@pytest.mark.slow
 def test_variants_of_a_campaign_are_held_side_by_side_with_the_lives_that_were_asked(run, tmp_path):
     """Of one that was not asked nothing is known; the other says what `cardan life` does."""
     text = CAMPAIGNED[: CAMPAIGNED.index("  - file")] + CAMPAIGNED[CAMPAIGNED.index("gauges") :]

@@ -33,6 +33,7 @@ def asked(job, text, lang="en", **what):
     return answer(question | what)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
 def test_what_follows_a_hand_has_its_shape(path):
     text = path.read_text("utf-8")

@@ -186,6 +186,7 @@ def spells_of(angles, *, at, extent, steps=20):
     return may, own, engine.real, turns, (1 + ratios[k] / 2) * turns
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spells", [2, 3, 5, 8])
 @pytest.mark.parametrize("extent", [0.02, 0.05])
 def test_the_best_of_many_ratios_makes_no_shaft_of_an_engine(spells, extent):
@@ -359,6 +360,7 @@ TORQUE_LAWS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", TORQUE_LAWS)
 @pytest.mark.parametrize("modes", [[], mode(35, 0.05)], ids=["rigid", "mode"])
 @pytest.mark.parametrize("coasting", [True, False], ids=["coasting", "pulling"])

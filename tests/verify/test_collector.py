@@ -96,6 +96,7 @@ def test_damage_life_and_peaks_are_told_within_5_percent():
         assert one.high / 1e6 == pytest.approx(true["high_MPa"], rel=0.05, abs=1), one.name
 
 
+@pytest.mark.slow
 def test_spoiled_stretches_are_named():
     spoiled = truth("joints")["spoiled_s"]
     health = {one.name: one.health[one.name] for one in without_model().lives}

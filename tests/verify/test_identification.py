@@ -69,6 +69,7 @@ def true(truth):
     return found | {"phase": truth.phases[1]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", chief(CASES, QUICK))
 def test_the_truth_lies_inside_every_interval(application, name):
     truth, seed = CASES[name]
@@ -127,6 +128,7 @@ def test_a_quick_run_up_bends_no_stiffness(application):
             assert p.low <= getattr(TRUE, p.name) <= p.high, p.name
 
 
+@pytest.mark.slow
 def test_what_the_model_leaves_out_does_not_average_out(application):
     """Four times the recording: of what is not only noise the interval is no narrower, by a fifth.
 
@@ -191,6 +193,7 @@ def told(tmp_path_factory):
     return folder, one, done.output
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_file_anew(told):
     """Numbers that are otherwise, and nothing else; comments stay, and the file is read again."""
     folder, _, _ = told
@@ -237,6 +240,7 @@ def test_what_is_told_is_what_the_contract_says(told):
     assert list(check.iter_errors(found | {"changed": [promise | {"hour": 1}]}))
 
 
+@pytest.mark.slow
 def test_a_line_of_which_nothing_is_told_promises_nothing(told, tmp_path):
     """Its order 2 was taken for road, and stayed through any cure: 1.504 h became 1.505."""
     folder, _, _ = told
@@ -269,6 +273,7 @@ def test_a_line_of_which_nothing_is_told_promises_nothing(told, tmp_path):
     assert "nothing is promised of the changed line" in done.output
 
 
+@pytest.mark.slow
 def test_the_load_history_is_the_force_on_the_bearing(application):
     """Against the force that the generator's springs had: 8 % rms, the passing of a mode too."""
     truth = replace(TRUE, mode=None)
@@ -297,6 +302,7 @@ def test_the_command_writes_what_the_gauge_felt(told):
     assert np.std((felt - read)[inside]) < 0.1 * np.std(read[inside])
 
 
+@pytest.mark.slow
 def test_the_road_is_in_the_load_history_and_stays_when_the_line_is_changed(application):
     """Three gauges, the generator's springs, a road of known force: 15 % rms of what it pushes."""
     truth = replace(TRUE, mode=None, noise=0.0)

@@ -139,6 +139,7 @@ def test_open_legs_are_from_strain_to_strain():
     assert rest.top[-legs.size :] == pytest.approx(np.maximum(local[1:], local[:-1]), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_what_stays_open_counts_by_the_rule():
     """`repeat`: the second passage, by stops; all three had told the same."""
     x = np.array([0, 200, -70, 188, -60, 160, -50, 90, 10]) * 1e6

@@ -315,6 +315,7 @@ def test_play_sustains_a_swing_where_the_tight_column_is_calm(changes, swing, to
     assert tight.swing(1.0) < 0.75e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "changes", [{}, {"play": 1.0}, {"restitution": 0.3}, {"beta": 30, "pin": 90}, {"beta": 30}]
 )

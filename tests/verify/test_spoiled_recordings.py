@@ -51,6 +51,7 @@ def trial(name, seeds, severities):
     return off, vetoed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(TOLD))
 def test_a_fault_that_decides_is_vetoed(name):
     """One recording at 1 kHz, badly spoiled: the whole trial is told in docs/verification.md."""
