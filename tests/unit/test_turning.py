@@ -6,7 +6,8 @@ from scipy.signal import lfilter
 
 from cardan.fatigue import kernel
 from cardan.fatigue.angle import BESIDE, Angle
-from cardan.fatigue.locked import levelled, running_mean
+from cardan.fatigue.kernel import running_mean
+from cardan.fatigue.locked import levelled
 from cardan.fatigue.orders import Rotation, wave
 
 

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from cardan.base.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from cardan.fatigue.locked import SLOWEST, Scene, levelled, running_mean
+from cardan.fatigue.kernel import running_mean
+from cardan.fatigue.locked import SLOWEST, Scene, levelled
 from cardan.fatigue.orders import Rotation, wave
 
 STRONG = 0.5

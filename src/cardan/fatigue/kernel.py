@@ -172,27 +172,23 @@ def gated(x: Any, gate: float, out: FloatArray) -> int:
     What is left closes the same cycles as all of it, but for those of a range below the gate.
     Missing samples (nan) are stepped over. Returns how many were written.
     """
-    n, way = 0, 0
+    n, way = 0, 0.0
     last = low = high = end = np.nan
     for i in range(x.size):
         v = x[i]
         if v != v:
             continue
-        if n == 0:
+        end = v
+        if way != 0:
+            # Upwards, whichever way it goes: then a largest value is no branch that is foreseen.
+            up = way * v
+            last = up if up > last else last
+            if last - up > gate:
+                out[n] = way * last
+                n, way, last = n + 1, -way, -up
+        elif n == 0:
             out[0] = v
             n, low, high = 1, v, v
-        elif way > 0:
-            if v >= last:
-                last = v
-            elif last - v > gate:
-                out[n] = last
-                n, way, last = n + 1, -1, v
-        elif way < 0:
-            if v <= last:
-                last = v
-            elif v - last > gate:
-                out[n] = last
-                n, way, last = n + 1, 1, v
         else:
             # No way yet: the first sample and what goes away from it on both sides.
             low, high = min(low, v), max(high, v)
@@ -201,10 +197,10 @@ def gated(x: Any, gate: float, out: FloatArray) -> int:
                 if other != out[0]:
                     out[n] = other
                     n += 1
-                way, last = (1 if v == high else -1), v
-        end = v
+                way = 1.0 if v == high else -1.0
+                last = way * v
     if way != 0:
-        out[n] = last
+        out[n] = way * last
         n += 1
     if n and out[n - 1] != end:
         out[n] = end
@@ -278,6 +274,29 @@ def remembered(force: ComplexArray, stays: complex) -> ComplexArray:
         return np.asarray(lfilter([1], [1, -stays], force, axis=-1), complex)
     out = np.empty_like(force)
     compiled(force, stays, out)
+    return out
+
+
+def averaged(x: Any, half: int, out: Any) -> None:
+    """Write to `out` what `running_mean` returns."""
+    last, width = x.size - 1, 2 * half + 1
+    total = x[0] * 0
+    for k in range(-half, half + 1):
+        total += x[min(max(k, 0), last)]
+    for i in range(x.size):
+        out[i] = total / width
+        total += x[min(i + half + 1, last)] - x[max(i - half, 0)]
+
+
+def running_mean(x: np.ndarray, half: int) -> np.ndarray:
+    """Mean (n,) of each value and those up to `half` places from it, level at the ends."""
+    compiled = _compiled(averaged)
+    if compiled is None or not x.size:
+        from scipy.ndimage import uniform_filter1d
+
+        return uniform_filter1d(x, 2 * half + 1, mode="nearest")
+    out = np.empty_like(x)
+    compiled(x, half, out)
     return out
 
 

@@ -13,13 +13,14 @@ Source: derived from first principles; Ljung, System Identification (1999), ch. 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
 
 from cardan.base.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from cardan.fatigue.angle import Angle
-from cardan.fatigue.kernel import answered, gathered, remembered
+from cardan.fatigue.kernel import answered, gathered, remembered, running_mean
 from cardan.fatigue.orders import wave
 
 OFF = 0.05
@@ -42,6 +43,8 @@ RINGS = 0.25
 """Seconds before and after what stands out, that belong to a blow."""
 POLE = 0.04
 """Share of the fit's energy that a mode has to add."""
+ENOUGH = 1e-4
+"""Of that energy, which a better place of a mode would add, below which its own is good enough."""
 PHANTOMS = (4.5, 6.5, 9.0, 12.0, 15.5, 19.5, 24.0, 29.0)
 """Distances of the phantoms, resolution cells to either side."""
 FORETOLD = 9.0
@@ -316,8 +319,11 @@ class Scene:
     def columns(self, order: int, poles: Sequence[tuple[float, float]] = ()) -> ComplexArray:
         """Each force of an order, plain and through each mode, (columns, n)."""
         forces = self.inputs(order)
-        made = [*forces, *(_through(u, pole, self.rate) for pole in poles for u in forces)]
-        return np.stack([levelled(u, self.rate) for u in made])
+        through = (_through(u, pole, self.rate) for pole in poles for u in forces)
+        out = np.empty((len(forces) * (1 + len(poles)), self.turns.size), complex)
+        for row, u in zip(out, chain(forces, through), strict=True):
+            row[:] = levelled(u, self.rate)
+        return out
 
 
 def punctual(option: Aligned, scene: Scene, y: FloatArray, *, most: float) -> Aligned:
@@ -403,13 +409,6 @@ def levelled(x: np.ndarray, rate: float) -> np.ndarray:
     half = max(round(0.5 * rate), 1)
     mean = running_mean(x, half)
     return np.subtract(x, mean, out=mean)
-
-
-def running_mean(x: np.ndarray, half: int) -> np.ndarray:
-    """Mean (n,) of each value and those up to `half` places from it, level at the ends."""
-    from scipy.ndimage import uniform_filter1d
-
-    return uniform_filter1d(x, 2 * half + 1, mode="nearest")
 
 
 def _through(u: ComplexArray, pole: tuple[float, float], rate: float) -> ComplexArray:
@@ -598,9 +597,8 @@ def _searched(
 ) -> tuple[tuple[float, float], ...]:
     """Modes that an order shakes: each added where it explains most, while it explains enough."""
     poles: tuple[tuple[float, float], ...] = ()
-    base = slow.columns(())
     for _ in range(most):
-        q, _ = np.linalg.qr(base.T)
+        q, _ = np.linalg.qr(slow.columns(poles).T)
         left = z - q @ (np.conj(q.T) @ z)
         whole = float((np.abs(z) ** 2).sum() - (np.abs(left) ** 2).sum())
         # What is known already and what is left, as they turn.
@@ -636,23 +634,40 @@ def _searched(
         best, f, d = best_of(_likely(slow, left, within))
         log_step, damp_step, steps = 0.03, 0.5, 0
         while steps < 6:
-            options = [
-                (
-                    float(np.clip(f * np.exp(a * log_step), *within)),
-                    float(np.clip(d * np.exp(b * damp_step), 0.008, 0.3)),
-                )
+            up, down, more, less = (
+                _moved(f, d, a * log_step, b * damp_step, within)
                 for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))
-            ]
-            better = best_of(options)
+            )
+            better = best_of((up, down, more, less))
             if better[0] > best:
                 best, f, d = better
-            else:
-                log_step, damp_step, steps = log_step / 2, damp_step / 2, steps + 1
+                continue
+            # None is better: then parabolas through these say where between them the best is.
+            tops = [
+                _top(gains[one], best, gains[other]) for one, other in ((up, down), (more, less))
+            ]
+            (a, _), (b, _) = tops
+            best, f, d = best_of(((f, d), _moved(f, d, a * log_step, b * damp_step, within)))
+            if sum(gain for _, gain in tops) < ENOUGH * (whole + best):
+                break
+            log_step, damp_step, steps = log_step / 2, damp_step / 2, steps + 1
         if best < POLE * (whole + best):
             break
-        poles = (*poles, (float(f), float(d)))
-        base = slow.columns(poles)
+        poles = (*poles, (f, d))
     return poles
+
+
+def _moved(
+    f: float, d: float, a: float, b: float, within: tuple[float, float]
+) -> tuple[float, float]:
+    """Return a mode with a frequency and a damping so much larger, by their logarithms."""
+    return float(np.clip(f * np.exp(a), *within)), float(np.clip(d * np.exp(b), 0.008, 0.3))
+
+
+def _top(up: float, here: float, down: float) -> tuple[float, float]:
+    """Where between a step up and one down a parabola is highest, in steps, and how much higher."""
+    bent = max(2 * here - up - down, 1e-300)
+    return (up - down) / (2 * bent), (up - down) ** 2 / (8 * bent)
 
 
 def _likely(

@@ -606,9 +606,9 @@ def _not_locked(case: _Case) -> Identified:
     span = _Span(-doubt, reach + doubt)
     if not (case.angle.trusted and case.measured):
         # Who knows no torque does not know where the joints' force turns its sign.
-        all_near = max(case.removed(case.close(case.x, span=held)) for held in (0.5, RIDES))
+        all_near = max(case.among(case.close(case.x, span=held)) for held in (0.5, RIDES))
         why = UNLOADED if case.angle.trusted else UNTRUSTED
-        span = span.up_to(max(span.high, all_near) + 0.05, why)
+        span = span.up_to(max(span.high, likely + all_near - own) + 0.05, why)
     if not case.angle.measured:
         span = span.up_to(ACQUITTED + 0.05)
     else:
