@@ -119,6 +119,16 @@ def test_one_blow_that_stays_open_leaves_the_long_run_unknown(rough):
     assert one.interval[0] == pytest.approx(calm.rate, rel=0.3)
 
 
+@pytest.mark.parametrize("way", [np.sin, np.cos, lambda a: np.sign(np.sin(a + 0.1))])
+def test_of_a_rig_that_swings_by_one_amplitude_the_long_run_is_known(way):
+    """By rounding one second of it exceeded all others, a tail as heavy as one value may have."""
+    one = long_run(told(60 * MPa * way(2 * np.pi * 5 * np.arange(180 * RATE) / RATE)), curve=CURVE)
+    assert one.unknown is None
+    assert one.long_run == pytest.approx(one.rate, rel=0.01)
+    low, high = one.interval
+    assert 0.97 * one.rate < low < high < 1.03 * one.rate
+
+
 def test_what_stays_open_is_of_the_second_it_ended_in():
     x = np.zeros(int(10 * RATE))
     at = (np.array([1.5, 3.5, 6.5]) * RATE).astype(int)

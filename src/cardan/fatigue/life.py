@@ -5,7 +5,7 @@ where the causes are asked for. Memory holds a few pieces, whatever the length.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
@@ -923,38 +923,24 @@ class _Joints:
         loads: Iterator[FloatArray | None] = repeat(None)
         if self.torque is not None:
             loads = self.recording.pieces([self.torque[0]], size=size)
-        # As in `counted`: threads that meet at an import break it.
-        import_module("scipy.linalg")
         start = 0
-        before: Iterable[FloatArray] = ()
-        with ThreadPoolExecutor(1) as beside:
-            for piece, load in zip(cut(stress, size=size), loads, strict=False):
-                torque = None if load is None or self.torque is None else load[0] * self.torque[1]
-                asked = beside.submit(self._identified, piece, torque, start / rate)
-                # One is identified while the one before it is counted.
-                yield from before
-                before = self._left(start, piece, asked)
-                start += piece.shape[1]
-            yield from before
-
-    def _identified(
-        self, piece: FloatArray, torque: FloatArray | None, start: float
-    ) -> list[Identified]:
-        """Ask what the joints did to a stretch of stress (gauges, n) from `start` s on."""
-        return [
-            identified(
-                x, rate=self.recording.rate, angle=self.angle, torque=torque, damage=self.damage,
-                engine=self.engine, engine_orders=self.engine_orders, wheel=self.wheel,
-                start=start,
-            )
-            for x in piece
-        ]  # fmt: skip
+        for piece, load in zip(cut(stress, size=size), loads, strict=False):
+            torque = None if load is None or self.torque is None else load[0] * self.torque[1]
+            answers = [
+                identified(
+                    x, rate=rate, angle=self.angle, torque=torque, damage=self.damage,
+                    engine=self.engine, engine_orders=self.engine_orders, wheel=self.wheel,
+                    start=start / rate,
+                )
+                for x in piece
+            ]  # fmt: skip
+            yield from self._left(start, piece, answers)
+            start += piece.shape[1]
 
     def _left(
-        self, start: int, piece: FloatArray, asked: "Future[list[Identified]]"
+        self, start: int, piece: FloatArray, answers: list[Identified]
     ) -> Iterator[FloatArray]:
         """Take a stretch's answers in, and yield what is left of it without their part."""
-        answers = asked.result()
         for told, answer in zip(self.told, answers, strict=True):
             told.append((answer.evidence, answer.damage))
         # Held until the stretches that follow have passed: seven digits of it are taken off.
@@ -965,7 +951,7 @@ class _Joints:
         left = piece - theirs
         for count, x in zip(self.without, left, strict=True):
             count.add(x)
-        del asked, answers, piece, theirs, order2
+        del answers, piece, theirs, order2
         for first in range(0, left.shape[1], SIZE // 8):
             yield left[:, first : first + SIZE // 8].copy()  # a view would hold all of it
 

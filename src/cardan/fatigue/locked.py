@@ -822,14 +822,19 @@ def _calm(
     columns: ComplexArray, y: FloatArray, rate: float, blown: BoolArray | None = None
 ) -> _Calm:
     """Fit the columns (k, n) to y (n,) but where it is `blown`; unless known, where blows stand."""
-    gram, met = _gram(columns), _met(columns, y)
-    wave = _paired(_explained(gram, met, ridge=RIDGE)[0]) @ columns
-    calm, out, rest_of = y, np.zeros(y.size, bool), gram
+    gram, whole = _gram(columns), _met(columns, y)
+    wave = _paired(_explained(gram, whole, ridge=RIDGE)[0]) @ columns
+    calm, out, rest_of, met = y, np.zeros(y.size, bool), gram, whole
     for _ in range(2):
         rest = y - wave.real
         out = blowing(rest, wave.real, rate) if blown is None else blown
-        calm, some = wave.real + limited(rest, rate), columns[:, out]
-        rest_of, met = gram - _gram(some), _met(columns, calm) - _met(some, calm[out])
+        small, some = limited(rest, rate), columns[:, out]
+        # Few samples are cut down or left out: only those are met anew.
+        cut = np.flatnonzero(small != rest)
+        calm = y.copy()
+        calm[cut] = wave.real[cut] + small[cut]
+        rest_of = gram - _gram(some)
+        met = whole + _met(columns[:, cut], calm[cut] - y[cut]) - _met(some, calm[out])
         wave = _paired(_explained(rest_of, met, ridge=RIDGE)[0]) @ columns
     return _Calm(wave, np.where(out, wave.real, calm), out, rest_of, met)
 

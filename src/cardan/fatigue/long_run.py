@@ -62,6 +62,10 @@ DOUBT = 0.5
 """Of a tail's shape, over the root of how many seconds it has: half of what its moments scatter by.
 Of 60 roads with lognormal blows 25 % were told falsely with none of it, 10 % so."""
 
+ALIKE = 0.02
+"""Share of the threshold up to which the largest second is like the others, as of a rig that swings
+by one amplitude: it rounds, or ends half a cycle later."""
+
 WIDE = 30.0
 """High end over low end beyond which a number would say more than is known."""
 
@@ -124,7 +128,8 @@ def long_run(of: Usage, *, curve: SNCurve, seed: int = 0) -> LongRun:
     most = max(m // START, 10)
     above = _tail(amplitude, most)
     threshold = float(np.sort(amplitude)[::-1][above]) if above < m else 0.0
-    over = amplitude > threshold
+    # Of seconds that are all alike no law of blows is told.
+    over = (amplitude > threshold) & (amplitude.max() > (1 + ALIKE) * threshold)
     above = max(int(over.sum()), 1)
 
     # A stretch is drawn as a whole, of a road that does not change a manoeuvre.
@@ -164,7 +169,8 @@ def long_run(of: Usage, *, curve: SNCurve, seed: int = 0) -> LongRun:
         # About it, and about the mean that was met: stops make no lognormal of a road.
         low, high = min(low, min(road.shift, 0) - half), max(high, max(road.shift, 0) + half)
     # A tail that is a little heavier than exponential shows in few blows less than it does.
-    more = _mean_damage(curve, threshold, total[3:] / max(total[2], 1), _shape(beyond[over]))
+    shape = _shape(beyond[over]) if over.any() else 0.0
+    more = _mean_damage(curve, threshold, total[3:] / max(total[2], 1), shape)
     heavier = float(total[0] + total[2] * more[0]) / max(float(total[1]), 1e-9) / found
     high = max(high, math.log(max(heavier, 1.0)))
     unknown: Unknown | None = None

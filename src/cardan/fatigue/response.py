@@ -289,7 +289,11 @@ class _Case:
 
     def removed(self, wave: FloatArray) -> float:
         """Return the share of damage that goes with a wave (m,)."""
-        return 1 - self.damage(self.stress - self.at_all(wave)) / self.whole
+        return self.taken(self.at_all(wave))
+
+    def taken(self, theirs: npt.NDArray[np.floating]) -> float:
+        """Return the share of damage that goes with a stress (n,)."""
+        return 1 - self.damage(self.stress - theirs) / self.whole
 
     @cached_property
     def unheard(self) -> float:
@@ -594,7 +598,8 @@ def identified(
 def _not_locked(case: _Case) -> Identified:
     """Answer where nothing is locked to the shaft: what might be theirs all the same."""
     wave = case.line.wave.real
-    likely, own = max(case.removed(wave), 0.0), case.among(wave)
+    theirs = case.at_all(wave)
+    likely, own = max(case.taken(theirs), 0.0), case.among(wave)
     reach = likely
     for option in case.options[1:]:
         columns = case.scene(option).columns(2)
@@ -621,9 +626,10 @@ def _not_locked(case: _Case) -> Identified:
     if span.high <= ACQUITTED:
         span = case.passing(case.x, span)
     span = case.pulling(wave, span)
-    low, high, theirs = span.low, min(span.high, 1.0), wave
+    low, high = span.low, min(span.high, 1.0)
     if there := case.following():
-        low, likely, theirs = min(there[:2]) - 0.01, max(likely, there[1]), there[2]
+        low, likely = min(there[:2]) - 0.01, max(likely, there[1])
+        theirs = case.at_all(there[2])
         span = span.doubting(PASSING)
         if low >= CONVICTED and case.aside:
             low, span = 0.0, span.doubting(SCALED)
@@ -633,7 +639,7 @@ def _not_locked(case: _Case) -> Identified:
         if low >= CONVICTED and case.rolling > LUGS:
             low, span = 0.0, span.doubting(BORROWED)
     found = _told(case, float(np.clip(likely, 0.0, high)), min(low, high), high, span.doubts)
-    return Identified(found, case.at_all(theirs), case.size(case.line.wave), case.whole)
+    return Identified(found, theirs, case.size(case.line.wave), case.whole)
 
 
 def _locked(case: _Case, seed: int) -> Identified:
@@ -642,7 +648,8 @@ def _locked(case: _Case, seed: int) -> Identified:
     theirs = _theirs(case)
     rng = np.random.default_rng(seed)
     mean = theirs.wave()
-    middle, own = case.removed(mean), case.among(mean)
+    whole = case.at_all(mean)
+    middle, own = case.taken(whole), case.among(mean)
     if middle < 0 and case.following():
         # What is held of it does harm: the angle slips, and what follows the shaft tells more.
         return _not_locked(case)
@@ -704,7 +711,7 @@ def _locked(case: _Case, seed: int) -> Identified:
     low, high = (float(v) for v in np.clip([span.low, span.high], -1.0, 1.0))
     found = _told(case, float(np.clip(middle, low, high)), low, high, span.doubts)
     return Identified(
-        replace(found, modes=line.poles), case.at_all(mean), case.size(theirs.second()),
+        replace(found, modes=line.poles), whole, case.size(theirs.second()),
         case.whole,
     )  # fmt: skip
 
