@@ -25,7 +25,7 @@ from cardan.fatigue.conditioning import (
 )
 from cardan.fatigue.fault import NOWHERE, Places, union
 from cardan.fatigue.hum import Listener
-from cardan.fatigue.recording import cut
+from cardan.fatigue.recording import cut, in_memory
 
 RATE = 1000.0
 RNG = np.random.default_rng(0)
@@ -496,3 +496,14 @@ def test_a_contact_that_chatters_is_found_in_a_channel_that_is_white(monkeypatch
     [[first, last]] = chatter.found()
     assert 149_900 <= first <= 150_000
     assert 150_300 <= last <= 150_400
+
+
+@pytest.mark.parametrize("kind", [np.int16, np.int32, np.uint16])
+def test_a_converter_s_codes_are_numbers(kind):
+    """They know no nan, and nothing that is beside their ends: their survey overflowed."""
+    x = np.random.default_rng(0).integers(100, 3000, (1, 20_000)).astype(kind)
+    (whole,), (codes,) = (survey([v], rate=1000.0, names=["a"]) for v in (x.astype(float), x))
+    assert repr(codes) == repr(whole)
+    (one,) = in_memory(x, rate=1000.0, names=["a"]).pieces(["a"])
+    np.testing.assert_array_equal(one, x)
+    assert one.dtype == float

@@ -40,6 +40,7 @@ from cardan.fatigue.fault import (
 from cardan.fatigue.folded import Folded
 from cardan.fatigue.gain import Ratios
 from cardan.fatigue.hum import Hum, Listener
+from cardan.fatigue.recording import floating
 from cardan.fatigue.stuck import Codes
 from cardan.fatigue.twice import Twice
 
@@ -503,7 +504,7 @@ def survey(
     """
     found: list[_Survey] = []
     ratios: Ratios | None = None
-    for padded in overlapping(pieces, reach=reach(rate), mirrored=True):
+    for padded in overlapping(map(floating, pieces), reach=reach(rate), mirrored=True):
         if ratios is None:
             called = names or [""] * len(padded)
             found = [_Survey(max(round(span * rate), 1), rate, name) for name in called]

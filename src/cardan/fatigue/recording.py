@@ -3,8 +3,10 @@
 import difflib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from cardan.base.arrays import FloatArray
 from cardan.base.errors import DesignError
@@ -100,13 +102,18 @@ def in_memory(
     data: FloatArray, *, rate: float, names: Iterable[str], units: Iterable[str] | None = None,
     name: str = "recording", notes: tuple[str, ...] = (),
 ) -> Recording:  # fmt: skip
-    """Return arrays (k, n) as a recording."""
-    names = list(names)
+    """Return arrays (k, n) as a recording; whole numbers, as a converter's codes, as numbers."""
+    names, data = list(names), floating(data)
     channels = tuple(map(Channel, names, units if units is not None else [""] * len(names)))
     return Recording(
         name=name, channels=channels, rate=rate, samples=data.shape[-1], notes=notes,
         read=lambda places: [data[list(places)]],
     )  # fmt: skip
+
+
+def floating(data: npt.NDArray[Any]) -> FloatArray:
+    """Return an array (k, n) as it is, or one of whole numbers as numbers that may be nan."""
+    return data if data.dtype.kind == "f" else data.astype(float)
 
 
 def cut(pieces: Iterable[FloatArray], *, size: int) -> Iterator[FloatArray]:
