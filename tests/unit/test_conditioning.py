@@ -242,6 +242,11 @@ def test_crests_are_clipped_under_noise_and_filters_too(then, share, sign):
 
 SOUND = {
     "a sine": lambda t, rng: 20 * np.sin(2 * np.pi * 11 * t) + 0.1 * rng.normal(size=t.size),
+    "a rig of forty samples a turn": lambda t, _: 30 * np.sin(2 * np.pi * 25 * t),
+    "a rig of twenty and some": lambda t, _: 30 * np.sin(2 * np.pi * 22.7 * t),
+    "a rig's blocks": lambda t, rng: (
+        10 * (2 + t // 4 % 3) * np.sin(2 * np.pi * 25 * t) + 0.1 * rng.normal(size=t.size)
+    ),
     "a swelling sine": lambda t, _: 20 * np.sin(2 * np.pi * 11 * t) * (1 + 0.3 * np.sin(0.7 * t)),
     "steps of a sine": lambda t, _: np.round(20 * np.sin(2 * np.pi * 2 * t)),
     "pulses": lambda t, rng: (

@@ -128,8 +128,8 @@ class Tried:
 
 
 TRIED = {
-    GUILTY: (Tried(0, 683), Tried(0, 952)),
-    INNOCENT: (Tried(0, 489), Tried(16, 805)),
+    GUILTY: (Tried(0, 683), Tried(0, 953)),
+    INNOCENT: (Tried(0, 489), Tried(13, 804)),
 }
 """Of innocent gauges that were called guilty, and guilty ones that were called innocent: on drives
 as they come, and on drives whose line was made to stand on its stop. Seeds 650000, 670000,

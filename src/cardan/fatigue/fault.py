@@ -72,7 +72,10 @@ NEARLY = 0.03
 left next to level."""
 BLUNT = 6.0
 """Times the range of its middle (`MIDDLE`) from which what a parabola through a crest's flanks
-puts on top was cut off: of a crest that turns by itself it is 2.8 times that."""
+puts on top was cut off: of a crest of many samples that turns by itself it is 2.8 times that."""
+ONE_SWING, SURELY = 0.2, 1.2
+"""How far apart quartiles of the flanks' slopes are, of their median, where one swing comes again
+and again, as on a rig; there it is so many times what it is of as few samples that turn alone."""
 MIDDLE = 0.2
 """Share of a crest's samples that lies to either side of its middle."""
 CRESTS, BELOW = 256, 8
@@ -214,7 +217,7 @@ class Finder:
         self.sentinels: list[tuple[IntArray, FloatArray]] = []
         self.top, self.bottom = _Plateaus(), _Plateaus()
         self.crests = {1: _Crests(), -1: _Crests()}
-        self.blunt: dict[int, FloatArray] = {1: np.empty((0, 5)), -1: np.empty((0, 5))}
+        self.blunt: dict[int, FloatArray] = {1: np.empty((0, 6)), -1: np.empty((0, 6))}
         self.hole, self.still = _Long(1), _Long(max(round(FREEZE_SECONDS * rate), 20))
         self.beside: dict[int, int] = {}
         self.last, self.changes, self.step = np.nan, 0, np.inf
@@ -293,8 +296,8 @@ class Finder:
     def _crests(self, x: FloatArray, offset: int, size: int) -> None:
         """Enter the crests next to the ends of what was seen so far.
 
-        From when, to when, how high, how far their middle ranges, and what a parabola through
-        their flanks puts on top.
+        From when, to when, how high, how far their middle ranges, what a parabola through their
+        flanks puts on top, and what it would where each turned by itself.
         """
         span = self.high - self.low
         if not span > 0:
@@ -316,8 +319,10 @@ class Finder:
                 top, _ = _range(y, first, last)
                 side = ((last - first) * MIDDLE).astype(np.intp)
                 most, least = _range(y, first + side, last - side)
+                middle = most - least
                 crown = _both_crowns(np.minimum(y, level), first, last).min(axis=-1)
-                columns = (first + offset, last + offset, top, most - least, crown)
+                alone = _alone(last - first, side) * middle
+                columns = (first + offset, last + offset, top, middle, crown, alone)
                 fresh = np.stack([np.asarray(c, float) for c in columns], -1)
                 kept = np.concatenate([kept, fresh])
             self.blunt[sign] = kept
@@ -485,6 +490,10 @@ class Finder:
         rows = self.blunt[sign]
         rows = rows[~_touching(rows[:, :2].astype(np.intp), taken)]
         cut = rows[:, 4] > BLUNT * np.maximum(rows[:, 3], self.step)
+        steep = rows[:, 4] / (rows[:, 1] - rows[:, 0] + 1)
+        low, usual, high = np.quantile(steep, [0.25, 0.5, 0.75]) if len(rows) else np.zeros(3)
+        if high - low < ONE_SWING * usual:
+            cut &= rows[:, 4] > SURELY * rows[:, 5]
         if np.count_nonzero(cut) < CLIPPED_RUN or np.mean(cut) < 0.5:
             return rows[:0, :3]
         return rows[cut][:, [0, 1, 4]]
@@ -527,13 +536,27 @@ def _crowns(x: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
 def _both_crowns(x: FloatArray, first: IntArray, last: IntArray) -> FloatArray:
     """Return the same of whole crests by each flank, (k, 2), met some samples off the crest."""
     width = last - first
-    away = np.clip(width // 8, 2, 32)
+    away = _away(width)
     level = x[first]
     left = (level - x[np.maximum(first - away, 0)]) / away
     right = (level - x[np.minimum(last - 1 + away, x.size - 1)]) / away
     slopes = np.stack([left, right], -1)
     slopes = np.where((left + right < 0)[:, None], 0.0, slopes)
     return slopes * (width[:, None] + 1) / 4
+
+
+def _away(width: IntArray) -> IntArray:
+    """Return how many samples off crests of some widths their flanks are met."""
+    return np.clip(width // 8, 2, 32)
+
+
+def _alone(width: IntArray, side: IntArray) -> FloatArray:
+    """Return `_both_crowns` over the range of the middle (k,) of parabolas that nothing cut off.
+
+    Of few samples a middle ranges over fewer yet: of five, three, and it is nine.
+    """
+    middle = (width - 1) / 2 - side
+    return (width - 1 + _away(width)) * (width + 1) / (4 * middle**2)
 
 
 def _moves(x: FloatArray, lag: int) -> tuple[FloatArray, FloatArray, BoolArray]:

@@ -384,7 +384,9 @@ class _Model:
         self.layout: Layout = self.response.lay(under)
         self.torque, self.speed = torque, speed
         hung = 2 * np.pi * np.array(self.hung(held))
-        self.usual = float(np.exp(np.log(hung[hung < 4 * speed.max()]).mean()))
+        passed = hung[hung < 4 * speed.max()]
+        # Of a drive that comes near none, the lowest.
+        self.usual = float(np.exp(np.log(passed if passed.size else hung.min()).mean()))
         self.shaft = [k for k, s in enumerate(self.response.line.shafts) if s.centre_bearing][
             self.bearing
         ]
@@ -1153,9 +1155,21 @@ def load_history(
 ) -> tuple[FloatArray, FloatArray]:  # fmt: skip
     """Force on the bearing over the recording's drive, (n,) s and (n, 3) N, vehicle axes.
 
+    As `load_at` tells it. For the bracket's damage.
+    """
+    time = np.arange(int(seconds * rate)) / rate
+    return time, load_at(of, rotation, torque, seconds=seconds, application=application)(time)
+
+
+def load_at(
+    of: Identification, rotation: Rotation, torque: tuple[FloatArray, float], *, seconds: float,
+    application: Application | None = None,
+) -> Callable[[FloatArray], FloatArray]:  # fmt: skip
+    """Return what tells the force on the bearing (n, 3) N, vehicle axes, at times (n,) s.
+
     Of the application as it was identified, or of another one driven so: mean and orders at each
     window's torque and speed, with what modes remember where they are passed, straight between
-    windows; what is unbalanced is not in it. For the bracket's damage.
+    windows; what is unbalanced is not in it.
     """
     scene = _scene(Angle(rotation, lag=0.0), torque, seconds)
     r = _Model(application or of.identified, state=of.state, bearing=of.bearing, scene=scene)
@@ -1164,28 +1178,39 @@ def load_history(
         r.layout, r.response.line, phases, torque=r.torque, speed=r.speed, held=r.held,
         inertias=r.response.inertias,
     )  # fmt: skip
-    time = np.arange(int(seconds * rate)) / rate
-    near = np.searchsorted(scene.at.time[:-1], time)
-    turns = rotation.at(time) + of.mark[near] / (2 * np.pi)
     mean, waves = run.mean[:, 0, r.bearing].T, run.waves[:, 0, r.bearing]
-    force = np.stack([np.interp(time, scene.at.time, m) for m in mean], axis=-1)
     poles = r.poles(r.held, None, 0.0)
     clock = np.arange(scene.fine_angle.size) / FINE
 
-    def between(at: FloatArray, z: ComplexArray) -> ComplexArray:
-        return np.interp(time, at, z.real) + 1j * np.interp(time, at, z.imag)
-
+    ways: list[tuple[float, ComplexArray, list[tuple[ComplexArray, ComplexArray]]]] = []
     for k, order in enumerate((2.0, 4.0, 6.0)):
-        steady, turning = waves[:, k].T, np.exp(2j * np.pi * order * turns)
+        steady = waves[:, k].T
         slow = steady
+        remembered: list[tuple[ComplexArray, ComplexArray]] = []
         if order in ORDERS and poles.size:
             # What is left beside the poles is slow; they themselves go through the drive.
             share = _shares(scene, steady, poles, order)
             basis = 1 / (2j * np.pi * order * scene.at.speed - poles[:, None])
             slow = steady - share @ (basis * scene.load(order))
             back = np.exp(-2j * np.pi * order * scene.fine_angle)
-            for r_, pole in enumerate(poles):
-                z = between(clock, _stepped(scene, complex(pole), order) * back) * turning
-                force += (z[:, None] * share[:, r_]).real
-        force += np.stack([(between(scene.at.time, z) * turning).real for z in slow], axis=-1)
-    return time, force
+            remembered = [
+                (share[:, r_], _stepped(scene, complex(pole), order) * back)
+                for r_, pole in enumerate(poles)
+            ]
+        ways.append((order, slow, remembered))
+
+    def force(time: FloatArray) -> FloatArray:
+        def between(at: FloatArray, z: ComplexArray) -> ComplexArray:
+            return np.interp(time, at, z.real) + 1j * np.interp(time, at, z.imag)
+
+        near = np.searchsorted(scene.at.time[:-1], time)
+        turns = rotation.at(time) + of.mark[near] / (2 * np.pi)
+        total = np.stack([np.interp(time, scene.at.time, m) for m in mean], axis=-1)
+        for order, slow, remembered in ways:
+            turning = np.exp(2j * np.pi * order * turns)
+            for share, z in remembered:
+                total += ((between(clock, z) * turning)[:, None] * share).real
+            total += np.stack([(between(scene.at.time, z) * turning).real for z in slow], axis=-1)
+        return total
+
+    return force

@@ -23,7 +23,7 @@ from cardan.fatigue.life import GaugeLife, Plan
 from cardan.fatigue.orders import Rotation
 from cardan.fatigue.usage import usage
 from cardan.model.application import Application
-from cardan.study.identification import STRETCH, Identification, load_history
+from cardan.study.identification import STRETCH, Identification, load_at, load_history
 
 FASTEST = 500.0
 """Samples a second that a history has at most: those of a mode of 60 Hz miss 2 % of its crests."""
@@ -65,25 +65,28 @@ def promised(
     DesignError
         If the changed line is not on rubber, or has no such state or bearing.
     """
-    time, was = load_history(of, rotation, torque, seconds=seconds)
-    _, then = load_history(of, rotation, torque, seconds=seconds, application=changed)
+    drive = partial(load_at, of, rotation, torque, seconds=seconds)
+    was, then = drive(), drive(application=changed)
     units = of.units[[of.gauges.index(g.name) for g in plan.gauges]]
-    moved = units @ (then - was).T
 
     def felt() -> Iterator[FloatArray]:
+        """Yield what was recorded, and below it what would have been."""
         done = 0
         for piece in stress:
             at = (done + np.arange(piece.shape[-1])) / rate
             done += piece.shape[-1]
-            yield piece + np.stack([np.interp(at, time, row) for row in moved])
+            yield np.concatenate([piece, piece + units @ (then(at) - was(at)).T])
 
     counted = usage(felt(), rate=rate, curve=plan.curve, correction=plan.correction, rule=plan.rule)
+    damage = np.array([u.damage.sum() + u.open for u in counted]).reshape(2, -1)
+    # As recorded crests may count that lie between samples: as a share of it nothing is gained.
+    more = np.divide(damage[1], damage[0], out=np.ones_like(damage[1]), where=damage[0] > 0)
     return tuple(
         Promised(
             gauge=g.name, recorded=one.life,
-            changed=replace(one.life, damage=float(u.damage.sum() + u.open)),
+            changed=replace(one.life, damage=one.life.damage * m if d > 0 else float(would)),
         )
-        for g, one, u in zip(plan.gauges, lives, counted, strict=True)
+        for g, one, m, d, would in zip(plan.gauges, lives, more.tolist(), *damage, strict=True)
     )  # fmt: skip
 
 

@@ -1024,11 +1024,15 @@ def _promised(
     assert changed is not None  # who asks looks
     own = _identifying(plan, of)
     stress = room.stresses(recording, plan=own, healths=healths, name="changed", progress=progress)
-    return promised(
-        of, changed, stress, rate=recording.rate, rotation=rotation,
-        torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded, plan=own,
-        lives=[one for one in lives if one.name in of.gauges],
-    )  # fmt: skip
+    try:
+        return promised(
+            of, changed, stress, rate=recording.rate, rotation=rotation,
+            torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded, plan=own,
+            lives=[one for one in lives if one.name in of.gauges],
+        )  # fmt: skip
+    except DesignError as error:
+        msg = f"the changed application: {error}"
+        raise DesignError(msg) from None
 
 
 def _identifying(plan: Plan, of: Identification) -> Plan:
