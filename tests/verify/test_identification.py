@@ -7,13 +7,14 @@ says of it has to hold the truth inside its interval.
 import json
 import re
 from dataclasses import replace
+from functools import partial
 
 import jsonschema
 import numpy as np
 import pytest
 from chief import chief
 from click.testing import CliRunner
-from shaken import LINE, Truth, shaken
+from shaken import LINE, Truth, run_up, shaken
 
 from cardan import files
 from cardan.cli.life import life as command
@@ -132,6 +133,27 @@ def test_a_quick_run_up_bends_no_stiffness(application):
     for p in found.parameters:
         if p.name in ("vertical", "lateral"):
             assert p.low <= getattr(TRUE, p.name) <= p.high, p.name
+
+
+def test_a_drive_that_comes_near_no_mode_is_told(application):
+    """All modes lay above four times its speed, and the mean of none of them was no number."""
+    bearing = "driveline.shafts[1].centre_bearing"
+    stiff = changed(
+        application,
+        {f"{bearing}.vertical_stiffness_N_mm": 2000, f"{bearing}.lateral_stiffness_N_mm": 1500},
+    )
+    truth = replace(TRUE, mode=None, vertical=2.3e6, lateral=1.7e6)
+    one = shaken(truth, seconds=60.0, seed=13, drive=partial(run_up, low=2.0, high=5.0))
+    time = np.arange(one.turns.size) / one.rate
+    found = identify(
+        stiff, iter([one.stress[None] * 1e6]), rate=one.rate, gauges=["S1"],
+        units=np.array([truth.unit]), angle=Angle(Rotation(time[::5], one.turns[::5]), lag=0.02),
+        torque=(one.torque, one.rate), seconds=time[-1], state="as given",
+    )  # fmt: skip
+    assert np.isfinite(found.misfit).all()
+    for p in found.parameters:
+        if p.name in ("vertical", "lateral") and p.told:
+            assert p.low <= getattr(truth, p.name) <= p.high, p.name
 
 
 @pytest.mark.slow
