@@ -866,7 +866,7 @@ RECORDED = (
     mutant("fatigue/long_run.py", " & (amplitude.max() > (1 + ALIKE) * threshold)", "", "rounding is a tail of blows",
            "unit/test_usage.py::test_of_a_rig_that_swings_by_one_amplitude_the_long_run_is_known"),
     mutant("fatigue/locked.py", "return (up - down) / (2 * bent), (up - down) ** 2 / (8 * bent)", "return (down - up) / (2 * bent), 0.0", "a mode is best where it is first found no better",
-           "verify/test_proving_ground.py::test_where_an_angle_is_lost_it_goes_on_from_another_zero"),
+           "unit/test_turning.py::test_a_mode_is_found_where_it_is_and_not_where_a_step_of_the_search_falls"),
     mutant("fatigue/kernel.py", "last = up if up > last else last", "last = up", "what turns by less than the gate turns",
            "property/test_rainflow_laws.py"),
     mutant("fatigue/kernel.py", "- x[max(i - half, 0)]", "- x[max(i - half + 1, 0)]", "a running mean runs away",

@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 from cardan.fatigue import kernel
 from cardan.fatigue.angle import BESIDE, Angle
 from cardan.fatigue.kernel import running_mean
-from cardan.fatigue.locked import levelled
+from cardan.fatigue.locked import Scene, levelled, order_line
 from cardan.fatigue.orders import Rotation, wave
 
 
@@ -74,3 +74,20 @@ def test_what_is_remembered_is_a_filter(monkeypatch):
     np.testing.assert_allclose(compiled, lfilter([1], [1, -0.9 + 0.2j], force), rtol=1e-9)
     monkeypatch.setattr(kernel, "_compiled", lambda _: None)
     np.testing.assert_allclose(kernel.remembered(force, 0.9 - 0.2j), compiled, rtol=1e-9)
+
+
+@pytest.mark.parametrize("mode", [(37.3, 0.02), (24.6, 0.013), (52.9, 0.07)])
+def test_a_mode_is_found_where_it_is_and_not_where_a_step_of_the_search_falls(mode):
+    """To a thousandth of its frequency: steps of the search are 3 %, and a factor of 1.6."""
+    rate = 400.0
+    t = np.arange(int(120 * rate)) / rate
+    speed = 5 + 28 * (0.5 - 0.5 * np.cos(2 * np.pi * t / 60))
+    turns = np.cumsum(speed) / rate
+    torque = 1 + 0.3 * np.sin(2 * np.pi * t / 17)
+    still = np.zeros(t.size, np.int64)
+    scene = Scene(turns, speed, torque, rate, still)
+    y = (scene.columns(2, [mode])[2] * (3 + 1j)).real
+    y = y + np.random.default_rng(0).normal(0, 0.05 * y.std(), t.size)
+    ((frequency, damping),) = order_line(scene, y, 2, most=1).poles
+    assert frequency == pytest.approx(mode[0], rel=1e-3)
+    assert damping == pytest.approx(mode[1], rel=0.03)
