@@ -129,6 +129,7 @@ def test_what_is_added_touches_the_files_the_page_names(house):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_quantity_is_in_every_medium(house):
     said = run(house, "check", "truck.yaml", "--states")
     assert re.search(r"^fail  Distance between joints +\S.* <= +1300 +mm", said, re.MULTILINE)
@@ -171,6 +172,7 @@ def test_a_thing_to_move_is_in_every_medium(house):
     assert done.stdout.strip() == "last_height_mm"
 
 
+@pytest.mark.slow
 def test_a_language_is_its_catalogue(house):
     said = run(house, "check", "truck.yaml", "--lang", "tlh")
     assert "¡" in said

@@ -178,6 +178,7 @@ def test_a_quantity_by_line_state_and_part(found):
         found.quantity("joint_angel")
 
 
+@pytest.mark.slow
 def test_quantities_of_other_studies_are_those_they_checked(app):
     found = cardan.stability(app)
     assert found.verdict == "warn"

@@ -98,6 +98,7 @@ def zeros():
     return b"".join(packer.compress(bytes(1 << 24)) for _ in range(32)) + packer.flush()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("claimed", "why"),
     [(1 << 29, "claims 536870912 bytes at once"), (16 * N, "more than the 16000")],

@@ -321,6 +321,7 @@ def campaign(recording, tmp_path) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("verdict", "held_by", "share"), chief(VERDICTS, VERDICTS[0]))
 @pytest.mark.parametrize("quantity", chief(RECORDING, "fatigue_life"))
 @pytest.mark.usefixtures("drawn_once")

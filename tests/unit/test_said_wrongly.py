@@ -378,6 +378,7 @@ def finding(path, *arguments, speed="rpm", engine="eng", code=0):
     return gauge["finding"], " ".join(gauge.get("doubts", ())), gauge["removed_interval"]
 
 
+@pytest.mark.slow
 def test_a_speed_that_cannot_be_the_shafts_acquits_nobody(tmp_path, innocent):
     """It was innocent from 0 to 0 %, whoever did it, without a doubt."""
     told, _, (_, high) = finding(written(tmp_path, innocent))
@@ -412,6 +413,7 @@ def test_a_speed_that_is_missing_or_stands_still_acquits_nobody(tmp_path, innoce
     assert finding(written(tmp_path, {**innocent, "rpm": holes}))[0] == "innocent"
 
 
+@pytest.mark.slow
 def test_damage_done_while_nothing_told_the_speed_acquits_nobody(tmp_path, innocent):
     """A bus silent for a quarter of the drive, its worst: innocent to 3 %, where all was theirs."""
     dark = (T > 25) & (T < 40)

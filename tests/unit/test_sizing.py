@@ -84,6 +84,7 @@ def with_joints(application, joint):
     return replace(application, lines=(replace(one, line=replace(one.line, joints=(joint,) * 3)),))
 
 
+@pytest.mark.slow
 def test_the_tube_proposed_is_the_lightest_of_all_that_do(weak):
     """Every steel tube of the catalogue is approved by itself, and the lightest that does taken."""
     before = graded(weak)

@@ -215,6 +215,7 @@ def test_speeds_are_those_a_gear_and_a_state_have():
     assert np.isnan(vehicle.slipping.ranges[1:]).all()
 
 
+@pytest.mark.slow
 def test_a_file_in_which_nothing_turns_is_no_fault(tmp_path):
     """It was one of 673 random changes to the examples that ended in the program's own fault."""
     text = (EXAMPLES / "vecto-6x2.yaml").read_text("utf-8")
@@ -312,6 +313,7 @@ def test_torque_shakes_in_low_gears_and_inertia_in_high_ones():
     assert size[1] < 0.6 * size[0]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rolling")
 def test_half_the_damping_makes_resonance_higher():
     app = files.read(EXAMPLES / "medium-truck-4x2.yaml")
@@ -626,6 +628,7 @@ def test_the_line_that_has_most_is_the_main_one():
         assert drivetrain(replace(given, lines=lines)).lines[0].line.name == "front"
 
 
+@pytest.mark.slow
 def test_a_plane_line_backs_as_it_drives():
     """Where no torque winds the axle up and no load moves, reverse is a gear like any other."""
     given = files.read(EXAMPLES / "medium-truck-4x2.yaml")

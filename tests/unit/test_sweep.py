@@ -158,6 +158,7 @@ def test_a_number_that_cannot_be_is_refused_as_a_file_with_it():
         sweep(application, {"driveline.shafts[2].tube.wall_mm": [-1, 4]}, count=16)
 
 
+@pytest.mark.slow
 def test_points_are_spread_evenly_and_come_back_with_their_seed():
     application = files.read(TRUCK)
     vary = {"axle.ratio": [5, 6], "shim_deg": {"uniform": 1}}

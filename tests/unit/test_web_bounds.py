@@ -177,6 +177,7 @@ def test_more_jobs_than_a_page_may_ask_wait_for_nobody(own):
             os.kill(pid, signal.SIGCONT)
 
 
+@pytest.mark.slow
 @linux
 def test_a_kill_during_a_long_job_is_told_and_the_next_has_a_new_process(own):
     with page(own) as one:

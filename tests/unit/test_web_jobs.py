@@ -353,6 +353,7 @@ def test_corrections_are_those_of_the_command_and_their_edits_make_them():
         assert after.smallest_margin == pytest.approx(p["margin"], rel=1e-3)  # edits are rounded
 
 
+@pytest.mark.slow
 def test_a_first_correction_is_told_before_the_search_and_is_what_its_edits_come_to():
     parts = []
     last = job("fix", text=CHAIN, parts=parts)["proposals"]
@@ -389,6 +390,7 @@ def shown(told, r, c):
     return VERDICTS[told["verdicts"][r][c]], told["names"][told["decides"][r][c]]
 
 
+@pytest.mark.slow
 def test_each_cell_of_a_map_is_what_a_check_of_it_finds():
     parts = []
     told = job("map", text=TRUCK, parts=parts, x="bearing_height 2", y="shim 1")
@@ -660,6 +662,7 @@ def test_corrections_are_those_of_the_command_beside_them(tmp_path, monkeypatch)
         assert ("bearing_height", 1) not in {(m["what"], m["part"]) for m in theirs["moves"]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sought", [False, True])
 def test_a_yield_is_that_of_the_command_and_of_the_script_below_it(tmp_path, sought):
     sigmas = [{"id": "bearing_height 1", "amount": "8.0"}, {"id": "shim 1", "amount": "1.0"}]
@@ -678,6 +681,7 @@ def test_a_yield_is_that_of_the_command_and_of_the_script_below_it(tmp_path, sou
         assert f"{low} to {high}" in done.stdout
 
 
+@pytest.mark.slow
 def test_a_map_is_that_of_the_command_and_of_the_script_below_it(tmp_path, monkeypatch):
     text = (ROOT / "examples/vecto-4x2.yaml").read_text("utf-8")
     told = job("map", text=text, x="bearing_height 1", y="shim 1")

@@ -180,6 +180,7 @@ def test_a_torque_that_was_there_is_one():
         assert not no_torque(x, rate=RATE).size
 
 
+@pytest.mark.slow
 def test_of_a_torque_that_a_bus_did_not_have_it_is_said(spoiled):
     found, text = asked(spoiled, "n", torque="gone")
     contract = {"$defs": schema()["$defs"], "$ref": "#/$defs/life"}

@@ -210,6 +210,7 @@ def newton_euler(t, state, *, beta, T, W, c, It, Ia, k, follower):
     return np.concatenate([rate, np.cross(w, pin), free + size * each])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("follower", "Ia"), [(0.0, 0.0001), (1.0, 0.0001), (0.0, 0.1), (1.0, 0.1)])
 def test_misaligned_motion_and_its_neighbours(follower, Ia):
     """The forced motion comes back after half a turn, and pushes map as the matrix says."""

@@ -75,6 +75,7 @@ def statistics(seeds, **asked):
     return np.mean(inside), wrong, told / clear, spoiled
 
 
+@pytest.mark.slow
 def test_a_bracket_that_rings_on_a_rough_road_is_no_contact_that_chatters():
     """A mode at a fifth of the sample rate: five of its spells were flat enough in frequency."""
     of = drive(650023)
@@ -302,6 +303,7 @@ def test_a_faint_line_that_only_the_shaft_shakes_acquits_nobody():
         assert found.finding == CANNOT_TELL
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "doubt"),
     [(130_096, KNOCKING), (140_025, PULLING), (140_078, PULLING), (630_081, PULLING)],
