@@ -129,6 +129,44 @@ def test_of_a_rig_that_swings_by_one_amplitude_the_long_run_is_known(way):
     assert 0.97 * one.rate < low < high < 1.03 * one.rate
 
 
+@pytest.mark.parametrize("hertz", [0.3, 1.0, 1.5, 10.0])
+@pytest.mark.parametrize("noise", [0.0, 0.01])
+def test_of_a_rig_some_seconds_hold_a_cycle_more(hertz, noise):
+    """Counted, that was a blow: the long run was "wide" of a third of the rigs."""
+    t = np.arange(180 * RATE) / RATE
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        x = np.sin(2 * np.pi * hertz * t + rng.uniform(0, 6)) + noise * rng.normal(size=t.size)
+        one = long_run(told(60 * MPa * x), curve=CURVE)
+        assert one.unknown is None
+        assert one.long_run == pytest.approx(one.rate, rel=0.01)
+        assert one.rate / 1.4 < one.interval[0] < one.interval[1] < 1.4 * one.rate
+
+
+@pytest.mark.parametrize("way", [-0.02, 0.02])
+def test_a_rig_that_warms_is_no_road_that_changes(way):
+    t = np.arange(180 * RATE) / RATE
+    one = long_run(told(60 * MPa * (1 + way * t / 180) * np.sin(10 * np.pi * t)), curve=CURVE)
+    assert one.unknown is None
+    assert one.interval[0] < one.rate < one.interval[1] < 1.5 * one.rate
+
+
+def test_a_rig_that_meets_one_larger_swing_is_a_road():
+    """A quarter larger, once: what another hour brings is not what was recorded."""
+    t = np.arange(180 * RATE) / RATE
+    x = np.sin(10 * np.pi * t) * np.where((t > 90) & (t < 90.2), 1.25, 1.0)
+    one = long_run(told(60 * MPa * x), curve=CURVE)
+    assert one.unknown or one.interval[1] > 1.05 * one.rate
+
+
+def test_what_is_spoiled_has_no_long_run(rough):
+    """A veto did not reach it: the long run stood beside "vetoed" as if nothing were wrong."""
+    of = told(rough[: int(180 * RATE)])
+    one, sound = (long_run(of, curve=CURVE, spoiled=s) for s in (True, False))
+    assert (one.rate, one.interval[0], one.unknown) == (sound.rate, 0.0, "vetoed")
+    assert np.isnan([one.long_run, one.interval[1]]).all()
+
+
 def test_what_stays_open_is_of_the_second_it_ended_in():
     x = np.zeros(int(10 * RATE))
     at = (np.array([1.5, 3.5, 6.5]) * RATE).astype(int)
@@ -256,6 +294,32 @@ def test_the_command_tells_it(tmp_path):
     assert run["long_run"] is run["interval"][1] is None
     assert 0 < run["interval"][0] < run["recorded"]
     assert "não se pode saber: a estrada mudou" in " ".join(done.output.split())
+
+
+@pytest.mark.parametrize("accept", [False, True])
+def test_a_vetoed_gauge_has_neither_long_run_nor_test(tmp_path, accept):
+    x = 20 * np.random.default_rng(3).normal(size=int(120 * RATE))
+    x[[4000, 11000]] = 900.0
+    path = tmp_path / "a.csv"
+    np.savetxt(
+        path, np.stack([np.arange(x.size) / RATE, x], -1), delimiter=",", comments="", fmt="%.6g",
+        header="time,S1 [MPa]",
+    )  # fmt: skip
+    out = tmp_path / "a.json"
+    options = ["--gauge", "S1", "--sn", "30,2e6,5", "--usage", "--json", str(out)]
+    options += ["--accept", "spike"] if accept else []
+    done = CliRunner().invoke(command, [str(path), *options])
+    whole = json.loads(out.read_text())
+    contract = {"$defs": schema()["$defs"], "$ref": "#/$defs/life"}
+    jsonschema.validate(whole, contract, jsonschema.Draft202012Validator)
+    assert (whole["gauges"][0]["quality"]["verdict"] == "vetoed") is not accept
+    run = whole["usage"]["S1"]["damage_per_hour"]
+    said = " ".join(done.output.split())
+    assert (run["unknown"] == "vetoed") is not accept
+    assert ("neither what it is in the long run nor a test can be told" in said) is not accept
+    assert ("a test cut to" in said) is accept
+    if not accept:
+        assert (run["long_run"], run["interval"]) == (None, [0, None])
 
 
 def test_a_campaign_tells_of_customers(tmp_path):

@@ -28,7 +28,7 @@ from cardan.fatigue.recording import in_memory
 from cardan.fatigue.strain import direct
 from cardan.fatigue.strength import SNCurve
 from cardan.report.contract_schema import schema
-from cardan.study.identification import _pole, changed, identify, load_history
+from cardan.study.identification import _pole, changed, departures, identify, load_history
 from cardan.study.promise import bearing_history, promised
 
 TRUE = Truth()
@@ -266,6 +266,40 @@ def test_what_is_told_is_what_the_contract_says(told):
     check = jsonschema.Draft202012Validator(of)
     assert [e.message for e in check.iter_errors(found)] == []
     assert list(check.iter_errors(found | {"changed": [promise | {"hour": 1}]}))
+
+
+def test_where_a_changed_line_is_not_what_was_found_is_said(told):
+    """Its file was not written upon the corrected one: rubber of neither, and nobody said so."""
+    folder, _, output = told
+    found = json.loads((folder / "told.json").read_text())
+    numbers = {p["name"]: p for p in found["identification"]["parameters"]}
+    departed = {d["name"]: d for d in found["departures"]}
+    assert {"vertical stiffness", "lateral stiffness"} <= set(departed)
+    own = departed["vertical stiffness"]
+    # The change that was asked for, and what the file had wrong.
+    assert own["changed"] == 400
+    assert departed["lateral stiffness"]["changed"] == numbers["lateral stiffness"]["written"]
+    for name, one in departed.items():
+        assert [one[k] for k in ("found", "interval", "address")] == [
+            numbers[name][k] for k in ("found", "interval", "address")
+        ]
+        assert (
+            one["changed"] is None or not one["interval"][0] <= one["changed"] <= one["interval"][1]
+        )
+    said = " ".join(output.split())
+    assert "vertical stiffness of centre bearing 1: the changed application has 400 N/mm" in said
+    assert "write the change into what --corrected writes" in said
+
+
+@pytest.mark.slow
+def test_a_change_written_upon_the_corrected_file_departs_by_that_change_alone(told, application):
+    folder, *_ = told
+    found = asked(application, replace(TRUE, mode=None), 9)
+    corrected = files.read(folder / "new.yaml")
+    assert departures(found, found.identified) == ()
+    stiff = changed(corrected, {"driveline.shafts[1].centre_bearing.vertical_stiffness_N_mm": 400})
+    (only,) = departures(found, stiff)
+    assert (only.found.name, only.value) == ("vertical", pytest.approx(400e3))
 
 
 @pytest.mark.slow

@@ -25,9 +25,9 @@ from cardan.base.arrays import FloatArray
 from cardan.fatigue.strength import SNCurve
 from cardan.fatigue.usage import Usage
 
-Unknown = Literal["short", "blows", "road", "wide"]
+Unknown = Literal["short", "blows", "road", "wide", "vetoed"]
 """Why nobody can know: a recording of less than `SHORT`, a few blows that did much of the damage,
-a road that changed too seldom, or an interval beyond `WIDE`."""
+a road that changed too seldom, an interval beyond `WIDE`, or a recording that is spoiled."""
 
 SHORT = 60.0
 """Time heard in which no change of the road can be seen, s."""
@@ -47,6 +47,10 @@ MEETINGS = 8.0
 roads as rough as chance has it (level lognormal, σ 0.6, whose mean fifty stretches do not show)
 25 % of the intervals told were false with 5, 7 % with 8."""
 
+GENTLE = 0.2
+"""Scatter of the levels' logarithm within which a road that changes is met all the same: 4 % of
+stress at a slope of 5, as of a rig that warms."""
+
 START = 4
 """The largest seconds begin as one of so many."""
 
@@ -62,9 +66,9 @@ DOUBT = 0.5
 """Of a tail's shape, over the root of how many seconds it has: half of what its moments scatter by.
 Of 60 roads with lognormal blows 25 % were told falsely with none of it, 10 % so."""
 
-ALIKE = 0.02
-"""Share of the threshold up to which the largest second is like the others, as of a rig that swings
-by one amplitude: it rounds, or ends half a cycle later."""
+ALIKE = 0.1
+"""Share by which the farthest second reaches beyond the median one of a rig that swings by one
+amplitude: it rounds, and its amplifier hums. Of its seconds some hold a cycle more."""
 
 WIDE = 30.0
 """High end over low end beyond which a number would say more than is known."""
@@ -88,7 +92,7 @@ class LongRun:
         With the larger blows that a longer recording would meet; nan where nobody can know.
     interval : 1/s
         90 % of the long run's; its high end is nan where nobody can know, and its low end then
-        what 95 % of roads exceed.
+        what 95 % of roads exceed, nought where the recording is spoiled.
     unknown
         Why nobody can know; None where it is known.
     """
@@ -110,10 +114,11 @@ class _Road:
     stretches: float = math.inf
 
 
-def long_run(of: Usage, *, curve: SNCurve, seed: int = 0) -> LongRun:
+def long_run(of: Usage, *, curve: SNCurve, spoiled: bool = False, seed: int = 0) -> LongRun:
     """Return a gauge's damage rate in the long run, with its interval, or why nobody can know it.
 
-    What was not driven is not in it: a recording of one kind of road says nothing of others.
+    What was not driven is not in it: a recording of one kind of road says nothing of others. One
+    that is spoiled says nothing at all.
     """
     from scipy.stats import t as student
 
@@ -122,14 +127,15 @@ def long_run(of: Usage, *, curve: SNCurve, seed: int = 0) -> LongRun:
         return LongRun(0.0, 0.0, (0.0, 0.0))
     rng = np.random.default_rng(seed)
     m, whole = done.size, float(done.sum()) / live
+    if spoiled:
+        return LongRun(whole, math.nan, (0.0, math.nan), "vetoed")
     size = max(min(BLOCK, m // BLOCKS), 1)
     road = _road(done, size=size, rng=rng)
     amplitude = _equivalent(done, curve)
     most = max(m // START, 10)
     above = _tail(amplitude, most)
     threshold = float(np.sort(amplitude)[::-1][above]) if above < m else 0.0
-    # Of seconds that are all alike no law of blows is told.
-    over = (amplitude > threshold) & (amplitude.max() > (1 + ALIKE) * threshold)
+    over = (amplitude > threshold) & (not _alike(of))
     above = max(int(over.sum()), 1)
 
     # A stretch is drawn as a whole, of a road that does not change a manoeuvre.
@@ -176,7 +182,7 @@ def long_run(of: Usage, *, curve: SNCurve, seed: int = 0) -> LongRun:
     unknown: Unknown | None = None
     if live < SHORT:
         unknown = "short"
-    elif road.meetings < MEETINGS:
+    elif road.meetings < MEETINGS and road.variance > GENTLE**2:
         unknown = "road"
     elif above < min(FEW, most) and done[over].sum() > MUCH * done.sum():
         unknown = "blows"
@@ -188,6 +194,13 @@ def long_run(of: Usage, *, curve: SNCurve, seed: int = 0) -> LongRun:
     if unknown:
         return LongRun(whole, math.nan, (least, math.nan), unknown)
     return LongRun(whole, found, (least, found * math.exp(high)))
+
+
+def _alike(of: Usage) -> bool:
+    """Return whether all seconds reach as far: no law of blows is told of them."""
+    centre = float(np.nanmedian(of.mean))
+    reach = np.fmax(of.high - centre, centre - of.low)
+    return bool(np.nanmax(reach) <= (1 + ALIKE) * np.nanmedian(reach))
 
 
 def _road(done: FloatArray, *, size: int, rng: np.random.Generator) -> _Road:

@@ -11,8 +11,9 @@ from cardan.fatigue.background import Mode
 from cardan.fatigue.damage import Life
 from cardan.report.language import EN, Language
 from cardan.report.terminal import columns
-from cardan.study.identification import Identification, Parameter
+from cardan.study.identification import Departure, Identification, Parameter
 from cardan.study.promise import Promised
+from cardan.study.recording import Heard
 
 NAMES = {
     "vertical": "vertical stiffness",
@@ -173,10 +174,32 @@ def document(of: Identification) -> dict[str, Any]:
     }
 
 
-def kept(of: Sequence[Promised], say: Language = EN) -> Iterator[str]:
+def kept(of: Heard, say: Language = EN) -> Iterator[str]:
     """Yield what a changed line promises as lines of text."""
     yield say("Driven so with the changed line")
-    yield from (f"  {line}" for line in columns(promise(of, say), words=(0,)))
+    yield from (f"  {line}" for line in columns(promise(of.promised, say), words=(0,)))
+    yield from (f"  {line}" for line in departed(of.departures, say))
+
+
+def departed(of: Sequence[Departure], say: Language) -> Iterator[str]:
+    """Yield where a changed line is not what was found, a sentence each."""
+    for one in of:
+        p, unit = one.found, f" {one.found.unit}".rstrip()
+        low, found, high = (say.short(p.told_in_unit(v), 4) for v in (p.low, p.value, p.high))
+        own = say("not given")
+        if not math.isnan(one.value):
+            own = say.short(p.told_in_unit(one.value), 4) + unit
+        yield say(
+            "{name} of {part}: the changed application has {value}, found was {found}{unit} ({low} "
+            "to {high})",
+            name=say(NAMES[p.name]), part=say.part(p.part), value=own, found=found, unit=unit,
+            low=low, high=high,
+        )  # fmt: skip
+    if of:
+        yield say(
+            "where that is not the change, nothing is promised of it: write the change into what "
+            "--corrected writes"
+        )
 
 
 def promise(of: Sequence[Promised], say: Language) -> list[tuple[str, ...]]:
@@ -191,6 +214,19 @@ def promise(of: Sequence[Promised], say: Language) -> list[tuple[str, ...]]:
         (p.gauge, say.small(p.recorded.damage, 4), say.small(p.changed.damage, 4),
          long(p.recorded), long(p.changed))
         for p in of
+    ]  # fmt: skip
+
+
+def departing(of: Sequence[Departure]) -> list[dict[str, Any]]:
+    """Return where a changed line is not what was found as the JSON contract has it."""
+    return [
+        {
+            "name": NAMES[one.found.name], "part": str(one.found.part),
+            "unit": one.found.unit or None, "found": one.found.told_in_unit(one.found.value),
+            "interval": [one.found.told_in_unit(v) for v in (one.found.low, one.found.high)],
+            "changed": _number(one.found.told_in_unit(one.value)), "address": one.found.address,
+        }
+        for one in of
     ]  # fmt: skip
 
 

@@ -200,6 +200,7 @@ def _more(of: Heard) -> dict[str, Any]:
         ),
         **({"identification": identified.document(of.identification)} if of.identification else {}),
         **({"changed": identified.promises(of.promised)} if of.promised else {}),
+        **({"departures": identified.departing(of.departures)} if of.promised else {}),
     }
 
 
@@ -548,7 +549,7 @@ def _said_more(of: Heard, say: Language) -> Iterator[str]:
         yield from identified.lines(of.identification, say)
     if of.promised:
         yield ""
-        yield from identified.kept(of.promised, say)
+        yield from identified.kept(of, say)
     elif of.unkept:
         yield f"  {identified.unkept(say)}"
 

@@ -17,7 +17,7 @@ from cardan.report import counting, otherwise, used
 from cardan.report.blocks import Block, Chapter, Figures, Picture, Table, Text
 from cardan.report.chart import Band, Chart, Series, bounds, plot
 from cardan.report.extra import needed
-from cardan.report.identified import doubts, modes, parameter, promise, unkept
+from cardan.report.identified import departed, doubts, modes, parameter, promise, unkept
 from cardan.report.language import Language
 from cardan.report.life import (
     channels,
@@ -112,6 +112,7 @@ def chapter(of: Heard, say: Language, *, short: bool = False) -> Iterator[Block]
         yield Table(
             caption=say("Driven so with the changed line"), head=head, rows=tuple(rows), words=1
         )
+        yield Text(paragraphs=tuple(departed(of.departures, say)))
     elif of.unkept:
         yield Text(paragraphs=(unkept(say),))
 

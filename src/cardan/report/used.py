@@ -30,6 +30,7 @@ UNKNOWN: Mapping[Unknown, str] = {
     "blows": "a few blows did much of it; record for longer",
     "road": "the road changed, and its worst was met too seldom; record more of each road",
     "wide": "the interval spans more than a factor of thirty; record for longer",
+    "vetoed": "what is wrong with the recording decides it",
 }
 """Why nobody can know what it comes to in the long run."""
 
@@ -139,6 +140,13 @@ def says(of: Used, say: Language) -> Iterator[str]:
     run = of.long_run
     recorded = say.small(run.rate * hour, 3)
     low, high = (say.small(v * hour, 3) for v in run.interval)
+    if run.unknown == "vetoed":
+        yield say(
+            "{gauge}: damage per hour {recorded} as recorded; neither what it is in the long run "
+            "nor a test can be told: {why}",
+            gauge=of.gauge, recorded=recorded, why=say(UNKNOWN[run.unknown]),
+        )  # fmt: skip
+        return
     if run.unknown:
         yield say(
             "{gauge}: damage per hour {recorded} as recorded; in the long run at least {low}, and "

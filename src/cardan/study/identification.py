@@ -51,6 +51,7 @@ from cardan.loads.rubber import LOSS, Suspended
 from cardan.loads.running import running
 from cardan.model.application import Application
 from cardan.model.layout import Layout, unit
+from cardan.model.parts import Line
 from cardan.quantity.response import Response, respond
 from cardan.study.agreement import backwards, disagreeing, unlike
 
@@ -505,31 +506,18 @@ class _Fit:
         self, *, turned: tuple[int, float] | None, mode: tuple[float, float] | None
     ) -> list[_Free]:
         """Return what may move from the file: with one shaft turned by rad, and with a mode."""
-        r = self.model.response
-        at = _address(r)
+        at = _address(self.model.response)
         found: list[_Free] = []
-        for k, s in enumerate(r.line.shafts):
-            b = s.centre_bearing
-            if b is None or b.stiffness is None:
-                continue
-            where, part = f"{at}.shafts[{k + 1}]", Part("centre bearing", _nth(r, k))
-            for name, value in zip(("vertical", "lateral"), b.stiffness, strict=True):
-                found.append(
-                    _Free(name, part, float(value), PRIOR["stiffness"],
-                          address=f"{where}.centre_bearing.{name}_stiffness_N_mm",
-                          was=float(value))
-                )  # fmt: skip
-            loss = LOSS if b.loss_factor is None else float(b.loss_factor)
+        for name, part, place, was in _numbers(self.model.response.line):
+            start, prior = was, PRIOR["stiffness"]
+            if name == "loss":
+                start, prior = LOSS if np.isnan(was) else was, PRIOR["loss"]
+            elif name == "phase":
+                by = turned[1] if turned and part == Part("shaft", turned[0] + 1) else 0.0
+                start, prior = was + by, np.inf if by else CROOKED
             found.append(
-                _Free("loss", part, loss, PRIOR["loss"],
-                      address=f"{where}.centre_bearing.loss_factor",
-                      was=np.nan if b.loss_factor is None else loss)
-            )  # fmt: skip
-        for k, s in enumerate(r.line.shafts):
-            own, by = float(s.phase), turned[1] if turned and turned[0] == k else 0.0
-            found.append(
-                _Free("phase", Part("shaft", k + 1), own + by, np.inf if by else CROOKED,
-                      log=False, address=f"{at}.shafts[{k + 1}].phase_deg", was=own)
+                _Free(name, part, start, prior, log=name != "phase", address=f"{at}.{place}",
+                      was=was)
             )  # fmt: skip
         found += [
             _Free("gain", Part("gauge", 0, g), 1.0, PRIOR["gain"], was=1.0) for g in self.gauges
@@ -741,9 +729,24 @@ def _address(r: Response) -> str:
     return line_address(r.demand.installed, Manuscript(written.text, written.name))
 
 
-def _nth(r: Response, shaft: int) -> int:
-    """Return which centre bearing a shaft's is, from 1."""
-    return sum(s.centre_bearing is not None for s in r.line.shafts[: shaft + 1])
+def _numbers(of: Line) -> Iterator[tuple[str, Part, str, float]]:
+    """Yield what a recording may tell of a line: name, part, address in it, and the file's value.
+
+    nan where the file says nothing.
+    """
+    nth = 0
+    for k, s in enumerate(of.shafts):
+        b = s.centre_bearing
+        nth += b is not None
+        if b is None or b.stiffness is None:
+            continue
+        where, part = f"shafts[{k + 1}].centre_bearing", Part("centre bearing", nth)
+        for name, value in zip(("vertical", "lateral"), b.stiffness, strict=True):
+            yield name, part, f"{where}.{name}_stiffness_N_mm", float(value)
+        loss = np.nan if b.loss_factor is None else float(b.loss_factor)
+        yield "loss", part, f"{where}.loss_factor", loss
+    for k, s in enumerate(of.shafts):
+        yield "phase", Part("shaft", k + 1), f"shafts[{k + 1}].phase_deg", float(s.phase)
 
 
 def _least(
@@ -1085,6 +1088,30 @@ def _told(
     )  # fmt: skip
     changes = {p.address: p.told_in_unit(p.value) for p in parameters if p.rewritten}
     return replace(result, identified=changed(application, changes))
+
+
+@dataclass(frozen=True)
+class Departure:
+    """A number found otherwise than written, and what a changed application has in its place, SI.
+
+    nan where it says nothing.
+    """
+
+    found: Parameter
+    value: float
+
+
+def departures(of: Identification, changed: Application) -> tuple[Departure, ...]:
+    """Return where a changed application departs from what was found otherwise than written.
+
+    It is the change that is asked about, or what the file said wrong of the line that was driven.
+    """
+    said = {(name, part): value for name, part, _, value in _numbers(changed.lines[0].line)}
+    found = (
+        Departure(p, said[p.name, p.part])
+        for p in of.parameters if p.rewritten and (p.name, p.part) in said
+    )  # fmt: skip
+    return tuple(d for d in found if not d.found.low <= d.value <= d.found.high)
 
 
 def changed(application: Application, changes: Mapping[str, float]) -> Application:

@@ -47,7 +47,13 @@ from cardan.model.application import Application
 from cardan.study.approval import coverage_of, verdict_of
 from cardan.study.campaign import ASKED, NAME, TURN, Campaign, Misread, keyed, numbers
 from cardan.study.finding import Finding, Tell, silent
-from cardan.study.identification import COUNTED, Identification, identify
+from cardan.study.identification import (
+    COUNTED,
+    Departure,
+    Identification,
+    departures,
+    identify,
+)
 from cardan.study.otherwise import Otherwise, Turned, grown, mixed, odds, strained
 from cardan.study.promise import Promised, bearing_history, promised
 from cardan.study.usage import Used, used
@@ -165,6 +171,13 @@ class Heard:
     promised: tuple[Promised, ...] = ()
     otherwise: tuple[Otherwise, ...] = ()
     misread: tuple[OtherWay, ...] = ()
+
+    @property
+    def departures(self) -> tuple[Departure, ...]:
+        """Where a changed line, of which something is promised, departs from what was found."""
+        if self.campaign.changed is None or self.identification is None or not self.promised:
+            return ()
+        return departures(self.identification, self.campaign.changed)
 
     @property
     def unkept(self) -> bool:

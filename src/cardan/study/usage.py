@@ -151,7 +151,7 @@ def used(
                 Place(p.stress, begins + p.time, gone(p.time), float(speed), float(load), gear)
                 for p, speed, load, gear in beside
             ],
-            long_run=long_run(one, curve=plan.curve),
+            long_run=long_run(one, curve=plan.curve, spoiled=life.vetoed),
             shortened=shortened(
                 one, keep=KEPT, curve=plan.curve, correction=plan.correction, rule=plan.rule
             ),
