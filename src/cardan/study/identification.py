@@ -27,9 +27,9 @@ Kennedy & O'Hagan, Bayesian calibration of computer models, J. R. Stat. Soc. B 6
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -57,6 +57,9 @@ from cardan.study.agreement import backwards, disagreeing, unlike
 
 ORDERS = (1.0, 2.0, 4.0)
 """Orders that are held against each other."""
+
+SPRINGS = "vertical", "lateral"
+"""Names of a bearing's stiffnesses."""
 
 PRIOR = {"stiffness": 0.5, "loss": 0.7, "gain": 0.1, "askew": 0.1, "mode damping": 0.7}
 """How far the truth may lie from the file, one standard deviation of its logarithm, assumed."""
@@ -345,6 +348,12 @@ class _Scene:
         loads = {k: self.fine_speed**2 if k == 1 else self.fine_torque for k in ORDERS}
         return {k: v * np.exp(2j * np.pi * k * self.fine_angle) for k, v in loads.items()}
 
+    @cached_property
+    def turning(self) -> dict[float, Any]:
+        """How each order turns on the fine clock: its speed 1/s, and how far back in a step."""
+        speeds = {k: 2j * np.pi * k * self.fine_speed for k in ORDERS}
+        return {k: (W, np.exp(-W / FINE)) for k, W in speeds.items()}
+
     def load(self, order: float) -> FloatArray:
         """Return the load of an order in each window, (W,)."""
         return self.at.speed**2 if order == 1 else self.torque
@@ -468,9 +477,9 @@ def _stepped(scene: _Scene, pole: complex, order: float) -> ComplexArray:
     """
     from scipy.signal import lfilter
 
-    W = 2j * np.pi * order * scene.fine_speed
-    force = scene.waves[order] * (1 - np.exp((pole - W) / FINE)) / (W - pole)
-    return lfilter([1], [1, -np.exp(pole / FINE)], force)
+    W, back = scene.turning[order]
+    step = np.exp(pole / FINE)
+    return lfilter([1], [1, -step], scene.waves[order] * (1 - step * back) / (W - pole))
 
 
 def _remembered(
@@ -548,7 +557,7 @@ class _Fit:
             if s.centre_bearing is None:
                 continue
             part = Part("centre bearing", nth + 1)
-            for k, name in enumerate(("vertical", "lateral")):
+            for k, name in enumerate(SPRINGS):
                 stiffness[..., nth, k] = values.get((name, part), stiffness[..., nth, k])
             loss[..., nth] = values.get(("loss", part), loss[..., nth])
             nth += 1
@@ -741,7 +750,7 @@ def _numbers(of: Line) -> Iterator[tuple[str, Part, str, float]]:
         if b is None or b.stiffness is None:
             continue
         where, part = f"shafts[{k + 1}].centre_bearing", Part("centre bearing", nth)
-        for name, value in zip(("vertical", "lateral"), b.stiffness, strict=True):
+        for name, value in zip(SPRINGS, b.stiffness, strict=True):
             yield name, part, f"{where}.{name}_stiffness_N_mm", float(value)
         loss = np.nan if b.loss_factor is None else float(b.loss_factor)
         yield "loss", part, f"{where}.loss_factor", loss
@@ -839,13 +848,11 @@ def identify(
     rough = size**2 + np.nanmean(size[:, 1:2] ** 2, axis=-1, keepdims=True)
     noise = np.nan_to_num(np.sqrt(level**2 + LEFT_OUT**2 * rough), nan=1.0)
     fit = _Fit(model, cuts, units, gauges, noise=noise)
-    plain = _best(fit, phases=phases)
+    places = _best(fit, phases=phases)
+    plain = places[0]
     width = _spread(fit, plain)
     fit = fit.allowing(fit.said(plain.free, plain.x))
-    free = plain.free
-    begun = [plain.x, *_across(_starts(fit, free), plain.x)]
-    minima = [_Found(free, *_least(lambda at: fit.rows(free, at), x)) for x in begun]
-    minima.sort(key=lambda one: one.misfit)
+    minima = _solved(fit, [(one.free, one.x) for one in places])
     return _told(fit, minima, (plain.x, width), application, state=state, bearing=bearing)
 
 
@@ -887,6 +894,16 @@ def _scene(angle: Angle, torque: tuple[FloatArray, float], seconds: float) -> _S
     block = np.zeros(at.time.size, int) if counted else np.unique(stretch, return_inverse=True)[1]
     return _Scene(at, mean, block, angles, speed, load, place, start, weight)
 
+
+FAR = 2.25
+"""How many times stiffer or softer than written rubber is looked for. A case of two bearings whose
+file had one twice as stiff as it was had been told, and surely, that it was four times that."""
+
+TRIED, BEGUN = 8, 2
+"""Places from which some steps are taken, and from how many of them the search goes on."""
+
+SAME = 0.05
+"""Share of a stiffness within which two places are one."""
 
 BLOCK = 12
 """Windows beside one another that err together."""
@@ -934,63 +951,77 @@ class _Found:
         """Largest departure from what was assumed, in standard deviations."""
         return float(np.abs(self.left[-self.x.size :]).max())
 
+    def value(self, name: str) -> float:
+        """Return the first number of a name."""
+        return next(f.value(v) for f, v in zip(self.free, self.x, strict=True) if f.name == name)
+
     def beginning(self, free: Sequence[_Free]) -> FloatArray:
         """Return where others would begin: here, as far as they are the same."""
         here = {(f.name, f.part): v for f, v in zip(self.free, self.x, strict=True)}
         return np.array([here.get((f.name, f.part), 0.0) for f in free])
 
 
-def _best(fit: _Fit, *, phases: bool) -> _Found:
-    """Return the fit that is best.
+def _best(fit: _Fit, *, phases: bool) -> list[_Found]:
+    """Return the fit that is best, and after it others of the same numbers elsewhere.
 
     Where the numbers of the file's own parts explain what was measured, nothing else is looked
     for. Else one shaft may have been put together otherwise than drawn, or the bracket may have
     a mode of its own.
     """
-    best = _solved(fit, None, None)
+    found = _solved(fit, _starts(fit, fit.free(turned=None, mode=None)))
+    best = found[0]
     if best.worth < GOOD and best.strain < UNLIKELY:
-        return best
-    options: list[_Found] = []
+        return found
+    options: list[list[_Found]] = []
     if phases:
-        options += [_solved(fit, turned, None) for turned in _otherwise(fit, best)]
-    options += [_solved(fit, None, mode, best) for mode in _modes(fit, best)]
-    better = min(options, key=lambda o: o.misfit)
+        options += [_solved(fit, _starts(fit, turned, tried=1)) for turned in _otherwise(fit, best)]
+    modes = [_solved(fit, [(mode, best.beginning(mode))]) for mode in _modes(fit, best)]
+    # Above all that the orders reach it is no mode, but whatever makes gauges feel more with speed.
+    reach = max(ORDERS) * float(fit.scene.at.speed.max())
+    options += [one for one in modes if one[0].value("mode") < reach]
+    if not options:
+        return found
+    other = min(options, key=lambda o: o[0].misfit)
+    better = other[0]
     # What explains as much by numbers that are likely is better as well.
     likelier = better.misfit < best.misfit - ODDS and better.strain < UNLIKELY <= best.strain
-    return better if likelier or better.misfit < (1 - BETTER) * best.misfit else best
+    return other if likelier or better.misfit < (1 - BETTER) * best.misfit else found
 
 
-def _solved(
-    fit: _Fit, turned: tuple[int, float] | None, mode: tuple[float, float] | None,
-    since: _Found | None = None,
-) -> _Found:  # fmt: skip
-    """Return the least squares with a shaft turned and a mode, from `since` or from the file."""
-    free = fit.free(turned=turned, mode=mode)
-    x = _starts(fit, free)[0] if since is None else since.beginning(free)
-    return _Found(free, *_least(lambda at: fit.rows(free, at), x))
+_Start: TypeAlias = tuple[list[_Free], FloatArray]
 
 
-def _otherwise(fit: _Fit, best: _Found) -> list[tuple[int, float]]:
-    """Return which shaft might be turned by how much, rad, the two that fit best first.
+def _solved(fit: _Fit, begun: Sequence[_Start]) -> list[_Found]:
+    """Return where least squares end that begin at some places, the best first."""
+    found = [_Found(free, *_least(partial(fit.rows, free), x)) for free, x in begun]
+    found.sort(key=lambda one: one.misfit)
+    return [found[k] for k in _apart(found[0].free, [one.x for one in found])]
+
+
+def _otherwise(fit: _Fit, best: _Found) -> list[list[_Free]]:
+    """Return what may move with a shaft turned, of the two that fit best.
 
     A tooth of a spline is some 20 degrees, half a turn is none.
     """
     shafts = range(1, len(fit.model.response.line.shafts))
-    options = [(k, float(a)) for k in shafts for a in np.arange(1, 8) * np.pi / 8]
+    options = [
+        fit.free(turned=(k, float(a)), mode=None)
+        for k in shafts
+        for a in np.arange(1, 8) * np.pi / 8
+    ]
     # The first shaft's phase and the tacho's mark are one where the others follow it.
-    ranked = sorted(options, key=lambda o: _rough(fit, fit.free(turned=o, mode=None), best))
-    return ranked[:2]
+    return sorted(options, key=lambda free: _rough(fit, free, best))[:2]
 
 
-def _modes(fit: _Fit, best: _Found) -> list[tuple[float, float]]:
-    """Return modes of a bracket that might explain what is left, Hz and damping, two."""
+def _modes(fit: _Fit, best: _Found) -> list[list[_Free]]:
+    """Return what may move with a mode of the bracket, of the two likeliest to be left out."""
     speed = fit.scene.at.speed
     options = [
-        (float(f), d)
+        fit.free(turned=None, mode=(float(f), d))
         for f in np.geomspace(max(2.5 * speed.min(), 4.0), 5 * speed.max(), 18)
         for d in (0.02, 0.06)
     ]
-    return sorted(options, key=lambda o: _rough(fit, fit.free(turned=None, mode=o), best))[:2]
+    return sorted(options, key=lambda free: _rough(fit, free, best))[:2]
 
 
 def _rough(fit: _Fit, free: list[_Free], best: _Found) -> float:
@@ -999,31 +1030,55 @@ def _rough(fit: _Fit, free: list[_Free], best: _Found) -> float:
     return float(left @ left)
 
 
-def _starts(fit: _Fit, free: list[_Free]) -> list[FloatArray]:
-    """Return where to begin, likely ones first: each stiffness a quarter up or down, and the file.
+def _starts(fit: _Fit, free: list[_Free], *, tried: int = TRIED) -> list[_Start]:
+    """Return where to begin, likely ones first: places that fit better than all about them.
 
-    Lines of several bearings have places that fit better than all about them and are not the best.
+    Lines of several bearings have many, far apart, of which one is true: each stiffness is tried
+    as the file has it and up to `FAR` times as much and as little, all but two alike and without
+    the memory of modes; from so many that fit best some steps are taken by rubber alone.
     """
-    moves = [f.name in ("vertical", "lateral") for f in free]
-    options = [np.zeros(len(free))]
-    for signs in product((-1, 1), repeat=min(sum(moves), 6)):
-        x = np.zeros(len(free))
-        x[np.flatnonzero(moves)[: len(signs)]] = np.log(1.25) * np.array(signs)
-        options.append(x)
+    moved, rubber = _moved(free, *SPRINGS), _moved(free, *SPRINGS, "loss")
+    every = product((0, -1, 1, -2, 2), repeat=len(moved))
+    ways = [w for w in every if max(map(w.count, w)) >= len(w) - 2]
+    options = np.zeros((len(ways), len(free)))
+    options[:, moved] = np.log(FAR) / 2 * np.array(ways)
 
-    def misfit(x: FloatArray) -> float:
-        left = fit.rows(free, x)
-        return float(left @ left)
+    def stepped(x: FloatArray) -> tuple[float, FloatArray]:
+        def rows(of: FloatArray) -> FloatArray:
+            return fit.rows(free, _put(x, rubber, of))
 
-    return sorted(options, key=misfit)
+        place, left, _ = _least(rows, x[rubber], steps=6)
+        return _squares(left), _put(x, rubber, place)
+
+    rough = [_squares(fit.rows(free, x, memory=False)) for x in options]
+    likely = options[np.argsort(rough)[:tried]]
+    ended = sorted(map(stepped, likely), key=lambda one: one[0])
+    places = [x for _, x in ended]
+    return [(free, places[k]) for k in _apart(free, places)[:BEGUN]]
 
 
-def _across(starts: list[FloatArray], found: FloatArray) -> list[FloatArray]:
-    """Return for each stiffness the likeliest start that is on the other side of what was found."""
-    every = np.array(starts)
-    moved = np.flatnonzero(every.any(axis=0))
-    places = {int(np.argmax(every[:, k] * found[k] < 0)) for k in moved if found[k]}
-    return [starts[place] for place in sorted(places)]
+def _put(x: FloatArray, at: list[int], values: FloatArray) -> FloatArray:
+    found = x.copy()
+    found[at] = values
+    return found
+
+
+def _squares(left: FloatArray) -> float:
+    return float(left @ left)
+
+
+def _moved(free: Sequence[_Free], *names: str) -> list[int]:
+    """Return which of what may move have one of some names."""
+    return [k for k, f in enumerate(free) if f.name in names]
+
+
+def _apart(free: Sequence[_Free], places: Sequence[FloatArray]) -> list[int]:
+    """Return which places (p,) are none that came before: some stiffness differs by `NEAR`."""
+    moved, kept = _moved(free, *SPRINGS), list[int]()
+    for k, x in enumerate(places):
+        if all(np.abs((x - places[j])[moved]).max(initial=0.0) > SAME for j in kept):
+            kept.append(k)
+    return kept
 
 
 def _told(
