@@ -165,6 +165,16 @@ def test_what_is_spoiled_has_no_long_run(rough):
     one, sound = (long_run(of, curve=CURVE, spoiled=s) for s in (True, False))
     assert (one.rate, one.interval[0], one.unknown) == (sound.rate, 0.0, "vetoed")
     assert np.isnan([one.long_run, one.interval[1]]).all()
+    # Clipped below all damage: what is spoiled did not do none.
+    none = long_run(told(np.zeros(int(100 * RATE))), curve=CURVE, spoiled=True)
+    assert (none.rate, none.unknown) == (0.0, "vetoed")
+
+
+def test_a_rig_that_settles_is_not_told_before_it_has():
+    """By a tenth, within half of what was recorded: its long run is below all of it."""
+    t = np.arange(300 * RATE) / RATE
+    x = 30 * MPa * (0.9 + 0.1 * np.exp(-t / 300)) * np.sin(10 * np.pi * t)
+    assert long_run(told(x), curve=CURVE).unknown == "road"
 
 
 def test_what_stays_open_is_of_the_second_it_ended_in():

@@ -17,6 +17,7 @@ from click.testing import CliRunner
 from shaken import LINE, Truth, run_up, shaken
 
 from cardan import files
+from cardan.base.errors import DesignError
 from cardan.cli.life import life as command
 from cardan.fatigue.angle import Angle
 from cardan.fatigue.cuts import order_cuts, windows
@@ -28,7 +29,7 @@ from cardan.fatigue.recording import in_memory
 from cardan.fatigue.strain import direct
 from cardan.fatigue.strength import SNCurve
 from cardan.report.contract_schema import schema
-from cardan.study.identification import _pole, changed, departures, identify, load_history
+from cardan.study.identification import _pole, _ways, changed, departures, identify, load_history
 from cardan.study.promise import bearing_history, promised
 
 TRUE = Truth()
@@ -289,8 +290,8 @@ def test_where_a_changed_line_is_not_what_was_found_is_said(told):
             one["changed"] is None or not one["interval"][0] <= one["changed"] <= one["interval"][1]
         )
     said = " ".join(output.split())
-    assert "vertical stiffness of centre bearing 1: the changed application has 400 N/mm" in said
-    assert "write the change into what --corrected writes" in said
+    assert "vertical stiffness of centre bearing 1: in the changed application 400 N/mm" in said
+    assert "unless these are the change that is meant, the promise is of another line" in said
 
 
 @pytest.mark.slow
@@ -302,6 +303,31 @@ def test_a_change_written_upon_the_corrected_file_departs_by_that_change_alone(t
     stiff = changed(corrected, {"driveline.shafts[1].centre_bearing.vertical_stiffness_N_mm": 400})
     (only,) = departures(found, stiff)
     assert (only.found.name, only.value) == ("vertical", pytest.approx(400e3))
+    # What was found, and the changed line does not have at all.
+    rigid = re.sub(
+        r"\n +(vertical|lateral)_stiffness_N_mm: [\d.]+", "", (folder / "new.yaml").read_text()
+    )
+    (folder / "rigid.yaml").write_text(rigid)
+    gone = departures(found, files.read(folder / "rigid.yaml"))
+    assert {d.found.name for d in gone} >= {"vertical", "lateral"}
+    assert np.isnan([d.value for d in gone if d.found.name in ("vertical", "lateral")]).all()
+
+
+def test_rubber_by_a_key_that_nothing_can_be_written_to_is_refused_at_once(tmp_path):
+    """After a minute it had said that two keys exclude each other, of which the file has one."""
+    path = tmp_path / "line.yaml"
+    path.write_text(
+        re.sub(r"vertical_stiffness_N_mm: [\d.]+\n +lateral_stiffness_N_mm", "stiffness_N_mm", LINE)
+    )
+    with pytest.raises(DesignError, match="give both in place of what says it otherwise"):
+        asked(files.read(path), TRUE, 1, seconds=40.0)
+
+
+@pytest.mark.parametrize(("count", "ways"), [(2, 25), (4, 505), (6, 1325), (8, 165), (24, 485)])
+def test_of_many_bearings_not_every_way_is_tried(count, ways):
+    found = _ways(count)
+    assert found.shape == (ways, count)
+    assert not found[0].any()
 
 
 @pytest.mark.slow
@@ -333,6 +359,32 @@ def test_a_line_of_which_nothing_is_told_promises_nothing(told, tmp_path):
     assert not (tmp_path / "load.csv").exists()
     found = json.loads((tmp_path / "told.json").read_text())
     assert found["identification"]["doubts"]
+    assert "changed" not in found
+    assert "nothing is promised of the changed line" in done.output
+
+
+@pytest.mark.slow
+def test_a_vetoed_gauge_is_promised_nothing(told, tmp_path):
+    """Its hours stood under the changed line, and "vetoed" in the table above."""
+    folder, *_ = told
+    rows = np.loadtxt(folder / "run.csv", delimiter=",", skiprows=1)
+    rows[[9000, 21000], 1] = 900.0
+    np.savetxt(
+        tmp_path / "spiked.csv", rows, delimiter=",", comments="",
+        header="time,S1 [MPa],torque [kNm],tacho [V],speed [rpm]", fmt="%.6g",
+    )  # fmt: skip
+    done = CliRunner().invoke(
+        command,
+        [
+            str(tmp_path / "spiked.csv"), "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho",
+            "--torque", "torque", "--application", str(folder / "line.yaml"), "--state",
+            "as given", "--unit-stress", "S1=0,9,30", "--identify", "--json",
+            str(tmp_path / "told.json"), "--changed", str(folder / "stiff.yaml"),
+        ],
+    )  # fmt: skip
+    found = json.loads((tmp_path / "told.json").read_text())
+    assert found["gauges"][0]["quality"]["verdict"] == "vetoed", done.output
+    assert not found["identification"]["doubts"]
     assert "changed" not in found
     assert "nothing is promised of the changed line" in done.output
 

@@ -190,15 +190,15 @@ def departed(of: Sequence[Departure], say: Language) -> Iterator[str]:
         if not math.isnan(one.value):
             own = say.short(p.told_in_unit(one.value), 4) + unit
         yield say(
-            "{name} of {part}: the changed application has {value}, found was {found}{unit} ({low} "
-            "to {high})",
+            "{name} of {part}: in the changed application {value}, in the recording {found}{unit} "
+            "({low} to {high})",
             name=say(NAMES[p.name]), part=say.part(p.part), value=own, found=found, unit=unit,
             low=low, high=high,
         )  # fmt: skip
     if of:
         yield say(
-            "where that is not the change, nothing is promised of it: write the change into what "
-            "--corrected writes"
+            "unless these are the change that is meant, the promise is of another line: write the "
+            "change into the application as --corrected writes it"
         )
 
 

@@ -28,7 +28,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import product
+from itertools import combinations, product
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -738,6 +738,18 @@ def _address(r: Response) -> str:
     return line_address(r.demand.installed, Manuscript(written.text, written.name))
 
 
+def _written(of: Response) -> None:
+    """Refuse a file that gives rubber by keys that what is found cannot be written to."""
+    numbers = of.application.written.numbers if of.application.written else {}
+    for name, _, place, _ in _numbers(of.line):
+        if name in SPRINGS and (at := f"{_address(of)}.{place}") not in numbers:
+            msg = (
+                f"{at}: a recording is held against vertical_stiffness_N_mm and "
+                "lateral_stiffness_N_mm: give both in place of what says it otherwise"
+            )
+            raise DesignError(msg)
+
+
 def _numbers(of: Line) -> Iterator[tuple[str, Part, str, float]]:
     """Yield what a recording may tell of a line: name, part, address in it, and the file's value.
 
@@ -842,6 +854,7 @@ def identify(
     scene = _scene(angle, torque, seconds)
     cuts = order_cuts(pieces, rate=rate, rotation=angle.rotation, at=scene.at, orders=ORDERS)
     model = _Model(application, state=state, bearing=bearing, scene=scene)
+    _written(model.response)
     level = _smoothed(cuts.noise)
     # What is small beside the rest of its order is told no better than that.
     size = np.abs(cuts.amplitude)
@@ -939,7 +952,7 @@ class _Found:
     @property
     def misfit(self) -> float:
         """In variances, all of it."""
-        return float(self.left @ self.left)
+        return _squares(self.left)
 
     @property
     def worth(self) -> float:
@@ -1026,8 +1039,7 @@ def _modes(fit: _Fit, best: _Found) -> list[list[_Free]]:
 
 def _rough(fit: _Fit, free: list[_Free], best: _Found) -> float:
     """Return the misfit of other shafts or modes where the rest stays, without its memory."""
-    left = fit.rows(free, best.beginning(free), memory=False)
-    return float(left @ left)
+    return _squares(fit.rows(free, best.beginning(free), memory=False))
 
 
 def _starts(fit: _Fit, free: list[_Free], *, tried: int = TRIED) -> list[_Start]:
@@ -1038,10 +1050,9 @@ def _starts(fit: _Fit, free: list[_Free], *, tried: int = TRIED) -> list[_Start]
     the memory of modes; from so many that fit best some steps are taken by rubber alone.
     """
     moved, rubber = _moved(free, *SPRINGS), _moved(free, *SPRINGS, "loss")
-    every = product((0, -1, 1, -2, 2), repeat=len(moved))
-    ways = [w for w in every if max(map(w.count, w)) >= len(w) - 2]
+    ways = _ways(len(moved))
     options = np.zeros((len(ways), len(free)))
-    options[:, moved] = np.log(FAR) / 2 * np.array(ways)
+    options[:, moved] = np.log(FAR) / 2 * ways
 
     def stepped(x: FloatArray) -> tuple[float, FloatArray]:
         def rows(of: FloatArray) -> FloatArray:
@@ -1055,6 +1066,20 @@ def _starts(fit: _Fit, free: list[_Free], *, tried: int = TRIED) -> list[_Start]
     ended = sorted(map(stepped, likely), key=lambda one: one[0])
     places = [x for _, x in ended]
     return [(free, places[k]) for k in _apart(free, places)[:BEGUN]]
+
+
+def _ways(count: int) -> FloatArray:
+    """Return levels of so many stiffnesses, from -2 to 2, all but two alike, (n, count).
+
+    Of more than three bearings all but one: two would be thousands.
+    """
+    levels, apart = (0, -1, 1, -2, 2), min(2 if count <= 6 else 1, count)
+    found = dict[tuple[int, ...], None]()
+    for level, places in product(levels, combinations(range(count), apart)):
+        for others in product(levels, repeat=apart):
+            own = dict(zip(places, others, strict=True))
+            found[tuple(own.get(k, level) for k in range(count))] = None
+    return np.array(list(found), float)
 
 
 def _put(x: FloatArray, at: list[int], values: FloatArray) -> FloatArray:
@@ -1073,7 +1098,7 @@ def _moved(free: Sequence[_Free], *names: str) -> list[int]:
 
 
 def _apart(free: Sequence[_Free], places: Sequence[FloatArray]) -> list[int]:
-    """Return which places (p,) are none that came before: some stiffness differs by `NEAR`."""
+    """Return which places (p,) are none that came before: some stiffness differs by `SAME`."""
     moved, kept = _moved(free, *SPRINGS), list[int]()
     for k, x in enumerate(places):
         if all(np.abs((x - places[j])[moved]).max(initial=0.0) > SAME for j in kept):
@@ -1162,10 +1187,7 @@ def departures(of: Identification, changed: Application) -> tuple[Departure, ...
     It is the change that is asked about, or what the file said wrong of the line that was driven.
     """
     said = {(name, part): value for name, part, _, value in _numbers(changed.lines[0].line)}
-    found = (
-        Departure(p, said[p.name, p.part])
-        for p in of.parameters if p.rewritten and (p.name, p.part) in said
-    )  # fmt: skip
+    found = (Departure(p, said.get((p.name, p.part), np.nan)) for p in of.parameters if p.rewritten)
     return tuple(d for d in found if not d.found.low <= d.value <= d.found.high)
 
 

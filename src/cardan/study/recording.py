@@ -1032,16 +1032,23 @@ def _promised(
     campaign: Campaign, recording: Recording, plan: Plan, of: Identification, rotation: Rotation,
     *, healths: dict[str, Health], lives: Sequence[GaugeLife], progress: room.Progress,
 ) -> tuple[Promised, ...]:  # fmt: skip
-    """Return what the changed line promises at the gauges that the line was identified by."""
+    """Return what the changed line promises at the gauges that the line was identified by.
+
+    Of one that is vetoed nothing.
+    """
     changed = campaign.changed
     assert changed is not None  # who asks looks
+    sound = {one.name: one for one in lives if not one.vetoed}
     own = _identifying(plan, of)
+    own = replace(own, gauges=tuple(g for g in own.gauges if g.name in sound))
+    if not own.gauges:
+        return ()
     stress = room.stresses(recording, plan=own, healths=healths, name="changed", progress=progress)
     try:
         return promised(
             of, changed, stress, rate=recording.rate, rotation=rotation,
             torque=campaign.read_torque(recording), seconds=lives[0].quality.recorded, plan=own,
-            lives=[one for one in lives if one.name in of.gauges],
+            lives=[sound[g.name] for g in own.gauges],
         )  # fmt: skip
     except DesignError as error:
         msg = f"the changed application: {error}"
