@@ -332,6 +332,27 @@ def test_a_vetoed_gauge_has_neither_long_run_nor_test(tmp_path, accept):
         assert (run["long_run"], run["interval"]) == (None, [0, None])
 
 
+@pytest.mark.parametrize("frozen", [False, True])
+def test_the_rate_as_recorded_is_that_of_the_life_above_it(tmp_path, frozen):
+    """Crests between samples, and time that is frozen, were in the life's and not in the other."""
+    rng = np.random.default_rng(5)
+    t = np.arange(int(200 * RATE)) / RATE
+    x = 40 * np.sin(2 * np.pi * 0.23 * RATE * t) * (1 + 0.1 * rng.normal(size=t.size))
+    x = np.where(frozen & (t > 60), x[0], x)
+    path, out = tmp_path / "a.csv", tmp_path / "a.json"
+    np.savetxt(
+        path, np.stack([t, x], -1), delimiter=",", comments="", fmt="%.6g", header="time,S1 [MPa]"
+    )
+    options = ["--gauge", "S1", "--sn", "30,2e6,5", "--usage", "--json", str(out)]
+    CliRunner().invoke(command, [str(path), *options])
+    whole = json.loads(out.read_text())
+    (gauge,), run = whole["gauges"], whole["usage"]["S1"]["damage_per_hour"]
+    assert run["recorded"] == pytest.approx(1 / gauge["hours"], rel=1e-9)
+    low, high = run["interval"]
+    assert low <= run["recorded"]
+    assert high is None or run["recorded"] <= high
+
+
 def test_a_campaign_tells_of_customers(tmp_path):
     rng = np.random.default_rng(2)
     names = []

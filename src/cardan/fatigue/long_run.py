@@ -16,7 +16,7 @@ for the generalized Pareto distribution, Technometrics 29 (1987).
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -102,6 +102,13 @@ class LongRun:
     long_run: float
     interval: tuple[float, float]
     unknown: Unknown | None = None
+
+    def at(self, rate: float) -> "LongRun":
+        """Return the same of a damage rate as recorded that is told otherwise, 1/s."""
+        if not self.rate > 0:
+            return replace(self, rate=rate) if self.unknown else self
+        more, (low, high) = rate / self.rate, self.interval
+        return LongRun(rate, more * self.long_run, (more * low, more * high), self.unknown)
 
 
 @dataclass(frozen=True)

@@ -151,7 +151,10 @@ def used(
                 Place(p.stress, begins + p.time, gone(p.time), float(speed), float(load), gear)
                 for p, speed, load, gear in beside
             ],
-            long_run=long_run(one, curve=plan.curve, spoiled=life.vetoed),
+            # Of a life: its crests between samples, and its time alive without what is frozen.
+            long_run=long_run(one, curve=plan.curve, spoiled=life.vetoed).at(
+                life.life.damage / max(life.life.duration, 1e-9)
+            ),
             shortened=shortened(
                 one, keep=KEPT, curve=plan.curve, correction=plan.correction, rule=plan.rule
             ),
