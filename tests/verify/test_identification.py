@@ -193,6 +193,26 @@ def test_an_order_is_cut_to_rounding():
     assert np.abs(leaked).max() < 0.01
 
 
+def written(path, rows):
+    np.savetxt(
+        path, rows, delimiter=",", comments="", fmt="%.6g",
+        header="time,S1 [MPa],torque [kNm],tacho [V],speed [rpm]",
+    )  # fmt: skip
+
+
+def identified(folder, run, *more):
+    """What the command says of a recording, told beside it, of the folder's line and a stiffer."""
+    return CliRunner().invoke(
+        command,
+        [
+            str(run), "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho", "--torque",
+            "torque", "--application", str(folder / "line.yaml"), "--state", "as given",
+            "--unit-stress", "S1=0,9,30", "--identify", "--json",
+            str(run.parent / "told.json"), "--changed", str(folder / "stiff.yaml"), *more,
+        ],
+    )  # fmt: skip
+
+
 @pytest.fixture(scope="module")
 def told(tmp_path_factory):
     """A recording as a file, its application, and what the command says of them."""
@@ -203,23 +223,18 @@ def told(tmp_path_factory):
     rows = np.stack(
         [time, one.stress, one.torque / 1e3, 5.0 * (one.turns % 1 < 0.25), one.speed * 60], axis=-1
     )
-    np.savetxt(
-        folder / "run.csv", rows, delimiter=",", comments="",
-        header="time,S1 [MPa],torque [kNm],tacho [V],speed [rpm]", fmt="%.6g",
-    )  # fmt: skip
+    written(folder / "run.csv", rows)
     (folder / "line.yaml").write_text(LINE)
     stiff = re.sub(r"(vertical_stiffness_N_mm: )[\d.]+", r"\g<1>400", LINE)
     (folder / "stiff.yaml").write_text(stiff)
-    done = CliRunner().invoke(
-        command,
-        [
-            str(folder / "run.csv"), "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho",
-            "--torque", "torque", "--application", str(folder / "line.yaml"), "--state",
-            "as given", "--unit-stress", "S1=0,9,30", "--identify", "--corrected",
-            str(folder / "new.yaml"), "--load-history", str(folder / "load.csv"), "--json",
-            str(folder / "told.json"), "--changed", str(folder / "stiff.yaml"),
-        ],
-    )  # fmt: skip
+    done = identified(
+        folder,
+        folder / "run.csv",
+        "--corrected",
+        str(folder / "new.yaml"),
+        "--load-history",
+        str(folder / "load.csv"),
+    )
     assert done.exit_code == 0, done.output
     return folder, one, done.output
 
@@ -339,20 +354,15 @@ def test_a_line_of_which_nothing_is_told_promises_nothing(told, tmp_path):
     rng = np.random.default_rng(3)
     gauge = 25 * rng.normal(size=time.size).cumsum() / np.sqrt(time.size) + 20 * np.cos(2 * angle)
     rows = np.stack([time, gauge, torque, tacho, speed], axis=-1)
-    np.savetxt(
-        tmp_path / "other.csv", rows, delimiter=",", comments="",
-        header="time,S1 [MPa],torque [kNm],tacho [V],speed [rpm]", fmt="%.6g",
-    )  # fmt: skip
-    done = CliRunner().invoke(
-        command,
-        [
-            str(tmp_path / "other.csv"), "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho",
-            "--torque", "torque", "--application", str(folder / "line.yaml"), "--state",
-            "as given", "--unit-stress", "S1=0,9,30", "--identify", "--json",
-            str(tmp_path / "told.json"), "--changed", str(folder / "stiff.yaml"), "--accept",
-            "drift", "--load-history", str(tmp_path / "load.csv"),
-        ],
-    )  # fmt: skip
+    written(tmp_path / "other.csv", rows)
+    done = identified(
+        folder,
+        tmp_path / "other.csv",
+        "--accept",
+        "drift",
+        "--load-history",
+        str(tmp_path / "load.csv"),
+    )
     # What was heard is told; a force of a line that nothing is known of is not.
     assert done.exit_code == 2, done.output
     assert "--load-history writes nothing: nothing is told of the line" in done.output
@@ -369,19 +379,8 @@ def test_a_vetoed_gauge_is_promised_nothing(told, tmp_path):
     folder, *_ = told
     rows = np.loadtxt(folder / "run.csv", delimiter=",", skiprows=1)
     rows[[9000, 21000], 1] = 900.0
-    np.savetxt(
-        tmp_path / "spiked.csv", rows, delimiter=",", comments="",
-        header="time,S1 [MPa],torque [kNm],tacho [V],speed [rpm]", fmt="%.6g",
-    )  # fmt: skip
-    done = CliRunner().invoke(
-        command,
-        [
-            str(tmp_path / "spiked.csv"), "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho",
-            "--torque", "torque", "--application", str(folder / "line.yaml"), "--state",
-            "as given", "--unit-stress", "S1=0,9,30", "--identify", "--json",
-            str(tmp_path / "told.json"), "--changed", str(folder / "stiff.yaml"),
-        ],
-    )  # fmt: skip
+    written(tmp_path / "spiked.csv", rows)
+    done = identified(folder, tmp_path / "spiked.csv")
     found = json.loads((tmp_path / "told.json").read_text())
     assert found["gauges"][0]["quality"]["verdict"] == "vetoed", done.output
     assert not found["identification"]["doubts"]
