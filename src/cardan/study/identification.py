@@ -28,8 +28,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from itertools import combinations, product
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -54,6 +53,7 @@ from cardan.model.layout import Layout, unit
 from cardan.model.parts import Line
 from cardan.quantity.response import Response, respond
 from cardan.study.agreement import backwards, disagreeing, unlike
+from cardan.study.minima import Minimum, apart, least, searched, squares
 
 ORDERS = (1.0, 2.0, 4.0)
 """Orders that are held against each other."""
@@ -114,8 +114,12 @@ NARROWED = 0.5
 KEPT = 40
 """Forces that are remembered: most of what moves from the file does not change them."""
 
-FINE = 250.0
-"""Samples a second at which a mode's memory is stepped: of waves that turn one way."""
+FINE, COARSE = 250.0, 60.0
+"""Samples a second at which a mode's memory is stepped: of waves that turn one way. The coarser
+clock, a fifth of a standard deviation off at most, is for the search among many places."""
+
+ENOUGH = 120
+"""Windows up to which all are looked at in that search."""
 
 GOOD = 1.5
 """Misfit of a number, in variances, up to which the file's own parts explain a recording."""
@@ -325,7 +329,8 @@ class _Scene:
     at: Windows
     torque: FloatArray  # (W,)
     block: IntArray  # (W,), of one angle's zero
-    fine_angle: FloatArray  # turns on the fine clock
+    rate: float  # of the fine clock, Hz
+    fine_angle: FloatArray  # turns on it
     fine_speed: FloatArray
     fine_torque: FloatArray
     place: IntArray  # fine samples of all windows, one after the other
@@ -352,7 +357,7 @@ class _Scene:
     def turning(self) -> dict[float, Any]:
         """How each order turns on the fine clock: its speed 1/s, and how far back in a step."""
         speeds = {k: 2j * np.pi * k * self.fine_speed for k in ORDERS}
-        return {k: (W, np.exp(-W / FINE)) for k, W in speeds.items()}
+        return {k: (W, np.exp(-W / self.rate)) for k, W in speeds.items()}
 
     def load(self, order: float) -> FloatArray:
         """Return the load of an order in each window, (W,)."""
@@ -478,7 +483,7 @@ def _stepped(scene: _Scene, pole: complex, order: float) -> ComplexArray:
     from scipy.signal import lfilter
 
     W, back = scene.turning[order]
-    step = np.exp(pole / FINE)
+    step = np.exp(pole / scene.rate)
     return lfilter([1], [1, -step], scene.waves[order] * (1 - step * back) / (W - pole))
 
 
@@ -582,31 +587,30 @@ class _Fit:
             SEAT * np.array([0.0, *(values.get((n, LINE), 0.0) for n in SEATS)]),
         )  # fmt: skip
 
-    def stress(self, said: "_Said", *, memory: bool = True) -> ComplexArray:
+    def stress(self, said: "_Said") -> ComplexArray:
         """Return computed cuts (gauges, K, W) Pa, order 1 of 1 kg m, the mark at the yoke."""
-        return np.tensordot(self.felt(said), self.force(said, memory=memory), axes=1)
+        return np.tensordot(self.felt(said), self.force(said), axes=1)
 
-    def force(self, said: "_Said", *, memory: bool = True) -> ComplexArray:
+    def force(self, said: "_Said") -> ComplexArray:
         """Return the force that makes them, its three ways, (3, K, W) N."""
         scene, held = self.scene, said.held
-        numbers = (held.stiffness, held.loss, said.phases, said.law, said.mode or 0, memory)
+        numbers = (held.stiffness, held.loss, said.phases, said.law, said.mode or 0)
         asked = b"".join(np.asarray(n, dtype=float).tobytes() for n in numbers)
         if asked not in self.kept:
             if len(self.kept) > KEPT:
                 self.kept.clear()
-            self.kept[asked] = self._force(said, memory=memory)
+            self.kept[asked] = self._force(said)
         W = np.multiply.outer(ORDERS, scene.at.speed)
         late = np.exp(2j * np.pi * said.lag * W)
         return self.kept[asked] * late * (1 + said.seat[:, None, None] * W**2)
 
-    def _force(self, said: "_Said", *, memory: bool) -> ComplexArray:
+    def _force(self, said: "_Said") -> ComplexArray:
         scene = self.scene
         W = 2 * np.pi * np.multiply.outer(ORDERS, scene.at.speed)
         out = self.model.forces(said.held, said.phases, said.law).T * _gain_of(said.mode, W)
-        if memory:
-            poles = self.model.poles(said.held, said.mode, said.law)
-            for k, order in enumerate(ORDERS):
-                out[:, k] += _remembered(scene, out[:, k], poles, order)
+        poles = self.model.poles(said.held, said.mode, said.law)
+        for k, order in enumerate(ORDERS):
+            out[:, k] += _remembered(scene, out[:, k], poles, order)
         return out
 
     def felt(self, said: "_Said") -> FloatArray:
@@ -672,9 +676,9 @@ class _Fit:
         ]  # fmt: skip
         return other
 
-    def rows(self, free: Sequence[_Free], x: FloatArray, *, memory: bool = True) -> FloatArray:
+    def rows(self, free: Sequence[_Free], x: FloatArray) -> FloatArray:
         """Return what is left over, real and imaginary, blows cut down, and what priors say."""
-        off = self.off(self.stress(self.said(free, x), memory=memory)).ravel()
+        off = self.off(self.stress(self.said(free, x))).ravel()
         size = np.abs(off)
         blow = np.maximum(size, 3.0)
         off = off * np.sqrt(3 * (2 * blow - 3)) / blow
@@ -770,38 +774,6 @@ def _numbers(of: Line) -> Iterator[tuple[str, Part, str, float]]:
         yield "phase", Part("shaft", k + 1), f"shafts[{k + 1}].phase_deg", float(s.phase)
 
 
-def _least(
-    rows: Callable[[FloatArray], FloatArray], start: FloatArray, *, steps: int = 12
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Least squares by Levenberg and Marquardt: place (p,), what is left (m,), slopes (m, p)."""
-    x, left = start.copy(), rows(start)
-    damp = 1e-3
-    slope = _slopes(rows, x, left)
-    for _ in range(steps):
-        gram, right = slope.T @ slope, -slope.T @ left
-        scale = np.diag(gram) + 1e-12 * np.trace(gram)
-        for _ in range(6):
-            step = np.linalg.solve(gram + damp * np.diag(scale), right)
-            step = np.clip(step, -0.5, 0.5)
-            tried = rows(x + step)
-            if tried @ tried < left @ left:
-                break
-            damp *= 6
-        else:
-            break
-        gone = 1 - (tried @ tried) / (left @ left)
-        x, left, damp = x + step, tried, damp / 5
-        slope = _slopes(rows, x, left)
-        if gone < 1e-4:
-            break
-    return x, left, slope
-
-
-def _slopes(rows: Callable[[FloatArray], FloatArray], x: FloatArray, at: FloatArray) -> FloatArray:
-    h = 1e-4
-    return np.stack([(rows(x + h * e) - at) / h for e in np.eye(x.size)], axis=-1)
-
-
 # --------------------------------------------------------------------------- the question
 
 
@@ -861,16 +833,31 @@ def identify(
     rough = size**2 + np.nanmean(size[:, 1:2] ** 2, axis=-1, keepdims=True)
     noise = np.nan_to_num(np.sqrt(level**2 + LEFT_OUT**2 * rough), nan=1.0)
     fit = _Fit(model, cuts, units, gauges, noise=noise)
-    places = _best(fit, phases=phases)
+    few = slice(None, None, int(np.ceil(scene.at.time.size / ENOUGH)))
+    coarse = _Fit(
+        _Model(
+            application, state=state, bearing=bearing,
+            scene=_scene(angle, torque, seconds, rate=COARSE, few=few),
+        ),
+        replace(cuts, amplitude=cuts.amplitude[..., few]),
+        units, gauges, noise=noise[..., few],
+    )  # fmt: skip
+    places = _best(fit, coarse, phases=phases)
     plain = places[0]
     width = _spread(fit, plain)
     fit = fit.allowing(fit.said(plain.free, plain.x))
-    minima = _solved(fit, [(one.free, one.x) for one in places])
+    minima = _apart([_ended(fit, one.free, one.x) for one in places[:RIVALS]])
     return _told(fit, minima, (plain.x, width), application, state=state, bearing=bearing)
 
 
-def _scene(angle: Angle, torque: tuple[FloatArray, float], seconds: float) -> _Scene:
-    """Return windows of a recording, of a long one those in stretches spread over it."""
+def _scene(
+    angle: Angle, torque: tuple[FloatArray, float], seconds: float,
+    *, rate: float = FINE, few: slice = slice(None),
+) -> _Scene:  # fmt: skip
+    """Return windows of a recording, of a long one those in stretches spread over it.
+
+    A few of them where fewer are asked for, and a clock of so many Hz between them.
+    """
     at = windows(angle.rotation, until=seconds)
     if at.time.size < 12:
         msg = (
@@ -878,22 +865,20 @@ def _scene(angle: Angle, torque: tuple[FloatArray, float], seconds: float) -> _S
         )
         raise DesignError(msg)
     stretch = (at.start / STRETCH).astype(int)
-    if seconds > LONGEST:
-        every = np.unique(stretch)
-        wanted = every[:: int(np.ceil(seconds / LONGEST))]
-        keep = np.isin(stretch, wanted)
-        at = Windows(*(getattr(at, n)[keep] for n in ("start", "stop", "first", "turns")))
-        stretch = stretch[keep]
+    wanted = np.unique(stretch)[:: int(np.ceil(seconds / LONGEST))]
+    keep = np.flatnonzero(np.isin(stretch, wanted))[few]
+    at = Windows(*(getattr(at, n)[keep] for n in ("start", "stop", "first", "turns")))
+    stretch = stretch[keep]
     read, often = torque
     known = np.flatnonzero(~np.isnan(read))
     if not known.size:
         msg = "the torque says nothing: no value in all the recording"
         raise DesignError(msg)
-    clock = np.arange(int(seconds * FINE)) / FINE
+    clock = np.arange(int(seconds * rate)) / rate
     load = np.interp(clock, known / often, read[known])
     angles, speed = angle.rotation.at(clock), angle.rotation.speed(clock)
-    first = np.floor(at.start * FINE).astype(int)
-    last = np.minimum(np.ceil(at.stop * FINE).astype(int) + 1, clock.size)
+    first = np.floor(at.start * rate).astype(int)
+    last = np.minimum(np.ceil(at.stop * rate).astype(int) + 1, clock.size)
     place = np.concatenate([np.arange(a, b) for a, b in zip(first, last, strict=True)])
     start = np.concatenate([[0], np.cumsum(last - first)[:-1]])
     each = np.repeat(np.arange(at.time.size), last - first)
@@ -905,18 +890,15 @@ def _scene(angle: Angle, torque: tuple[FloatArray, float], seconds: float) -> _S
     # A tacho counts every turn; a channel of speed loses its zero sooner or later.
     counted = angle.trusted and angle.lag <= COUNTED
     block = np.zeros(at.time.size, int) if counted else np.unique(stretch, return_inverse=True)[1]
-    return _Scene(at, mean, block, angles, speed, load, place, start, weight)
+    return _Scene(at, mean, block, rate, angles, speed, load, place, start, weight)
 
 
 FAR = 2.25
 """How many times stiffer or softer than written rubber is looked for. A case of two bearings whose
 file had one twice as stiff as it was had been told, and surely, that it was four times that."""
 
-TRIED, BEGUN = 8, 2
-"""Places from which some steps are taken, and from how many of them the search goes on."""
-
-SAME = 0.05
-"""Share of a stiffness within which two places are one."""
+RIVALS = 3
+"""How many of the places that were found are asked again with what the model leaves out alike."""
 
 BLOCK = 12
 """Windows beside one another that err together."""
@@ -941,18 +923,10 @@ def _smoothed(noise: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class _Found:
-    """Where least squares ended: what moved, where to, what is left, and its slopes."""
+class _Found(Minimum):
+    """Where least squares ended, and what moved there."""
 
     free: list[_Free]
-    x: FloatArray
-    left: FloatArray
-    slope: FloatArray
-
-    @property
-    def misfit(self) -> float:
-        """In variances, all of it."""
-        return _squares(self.left)
 
     @property
     def worth(self) -> float:
@@ -974,41 +948,53 @@ class _Found:
         return np.array([here.get((f.name, f.part), 0.0) for f in free])
 
 
-def _best(fit: _Fit, *, phases: bool) -> list[_Found]:
+def _best(fit: _Fit, coarse: _Fit, *, phases: bool) -> list[_Found]:
     """Return the fit that is best, and after it others of the same numbers elsewhere.
 
     Where the numbers of the file's own parts explain what was measured, nothing else is looked
     for. Else one shaft may have been put together otherwise than drawn, or the bracket may have
     a mode of its own.
     """
-    found = _solved(fit, _starts(fit, fit.free(turned=None, mode=None)))
+    found = _searched(fit, coarse, fit.free(turned=None, mode=None))
     best = found[0]
     if best.worth < GOOD and best.strain < UNLIKELY:
         return found
-    options: list[list[_Found]] = []
-    if phases:
-        options += [_solved(fit, _starts(fit, turned, tried=1)) for turned in _otherwise(fit, best)]
-    modes = [_solved(fit, [(mode, best.beginning(mode))]) for mode in _modes(fit, best)]
+    turned = _otherwise(coarse, best) if phases else []
+    options = [_ended(fit, free, np.zeros(len(free))) for free in turned]
+    modes = [_ended(fit, free, best.beginning(free)) for free in _modes(coarse, best)]
     # Above all that the orders reach it is no mode, but whatever makes gauges feel more with speed.
     reach = max(ORDERS) * float(fit.scene.at.speed.max())
-    options += [one for one in modes if one[0].value("mode") < reach]
+    options += [one for one in modes if one.value("mode") < reach]
     if not options:
         return found
-    other = min(options, key=lambda o: o[0].misfit)
-    better = other[0]
+    better = min(options, key=lambda one: one.misfit)
     # What explains as much by numbers that are likely is better as well.
     likelier = better.misfit < best.misfit - ODDS and better.strain < UNLIKELY <= best.strain
-    return other if likelier or better.misfit < (1 - BETTER) * best.misfit else found
+    if not likelier and better.misfit > (1 - BETTER) * best.misfit:
+        return found
+    return _apart([better, *_searched(fit, coarse, better.free)])
 
 
-_Start: TypeAlias = tuple[list[_Free], FloatArray]
+def _searched(fit: _Fit, coarse: _Fit, free: list[_Free]) -> list[_Found]:
+    """Return the places where least squares end, apart from one another, the best first.
+
+    Lines of several bearings have many, of which one is true: rubber is looked for as the file
+    has it, and up to `FAR` times as stiff and as soft.
+    """
+    far = np.zeros(len(free))
+    far[_moved(free, *SPRINGS)] = np.log(FAR)
+    places = searched(partial(coarse.rows, free), far=far)
+    return _apart([_ended(fit, free, one.x) for one in places[:RIVALS]])
 
 
-def _solved(fit: _Fit, begun: Sequence[_Start]) -> list[_Found]:
-    """Return where least squares end that begin at some places, the best first."""
-    found = [_Found(free, *_least(partial(fit.rows, free), x)) for free, x in begun]
-    found.sort(key=lambda one: one.misfit)
-    return [found[k] for k in _apart(found[0].free, [one.x for one in found])]
+def _ended(fit: _Fit, free: list[_Free], x: FloatArray) -> _Found:
+    """Return where least squares end that begin at a place (p,)."""
+    at = least(partial(fit.rows, free), x)
+    return _Found(at.x, at.left, at.slope, free)
+
+
+def _apart(found: list[_Found]) -> list[_Found]:
+    return apart(found, _moved(found[0].free, *SPRINGS))
 
 
 def _otherwise(fit: _Fit, best: _Found) -> list[list[_Free]]:
@@ -1038,72 +1024,13 @@ def _modes(fit: _Fit, best: _Found) -> list[list[_Free]]:
 
 
 def _rough(fit: _Fit, free: list[_Free], best: _Found) -> float:
-    """Return the misfit of other shafts or modes where the rest stays, without its memory."""
-    return _squares(fit.rows(free, best.beginning(free), memory=False))
-
-
-def _starts(fit: _Fit, free: list[_Free], *, tried: int = TRIED) -> list[_Start]:
-    """Return where to begin, likely ones first: places that fit better than all about them.
-
-    Lines of several bearings have many, far apart, of which one is true: each stiffness is tried
-    as the file has it and up to `FAR` times as much and as little, all but two alike and without
-    the memory of modes; from so many that fit best some steps are taken by rubber alone.
-    """
-    moved, rubber = _moved(free, *SPRINGS), _moved(free, *SPRINGS, "loss")
-    ways = _ways(len(moved))
-    options = np.zeros((len(ways), len(free)))
-    options[:, moved] = np.log(FAR) / 2 * ways
-
-    def stepped(x: FloatArray) -> tuple[float, FloatArray]:
-        def rows(of: FloatArray) -> FloatArray:
-            return fit.rows(free, _put(x, rubber, of))
-
-        place, left, _ = _least(rows, x[rubber], steps=6)
-        return _squares(left), _put(x, rubber, place)
-
-    rough = [_squares(fit.rows(free, x, memory=False)) for x in options]
-    likely = options[np.argsort(rough)[:tried]]
-    ended = sorted(map(stepped, likely), key=lambda one: one[0])
-    places = [x for _, x in ended]
-    return [(free, places[k]) for k in _apart(free, places)[:BEGUN]]
-
-
-def _ways(count: int) -> FloatArray:
-    """Return levels of so many stiffnesses, from -2 to 2, all but two alike, (n, count).
-
-    Of more than three bearings all but one: two would be thousands.
-    """
-    levels, apart = (0, -1, 1, -2, 2), min(2 if count <= 6 else 1, count)
-    found = dict[tuple[int, ...], None]()
-    for level, places in product(levels, combinations(range(count), apart)):
-        for others in product(levels, repeat=apart):
-            own = dict(zip(places, others, strict=True))
-            found[tuple(own.get(k, level) for k in range(count))] = None
-    return np.array(list(found), float)
-
-
-def _put(x: FloatArray, at: list[int], values: FloatArray) -> FloatArray:
-    found = x.copy()
-    found[at] = values
-    return found
-
-
-def _squares(left: FloatArray) -> float:
-    return float(left @ left)
+    """Return the misfit of other shafts or modes where the rest stays."""
+    return squares(fit.rows(free, best.beginning(free)))
 
 
 def _moved(free: Sequence[_Free], *names: str) -> list[int]:
     """Return which of what may move have one of some names."""
     return [k for k, f in enumerate(free) if f.name in names]
-
-
-def _apart(free: Sequence[_Free], places: Sequence[FloatArray]) -> list[int]:
-    """Return which places (p,) are none that came before: some stiffness differs by `SAME`."""
-    moved, kept = _moved(free, *SPRINGS), list[int]()
-    for k, x in enumerate(places):
-        if all(np.abs((x - places[j])[moved]).max(initial=0.0) > SAME for j in kept):
-            kept.append(k)
-    return kept
 
 
 def _told(
@@ -1152,7 +1079,7 @@ def _told(
     second, noise, scene = fit.cuts.amplitude[:, 1], fit.cuts.noise[:, 1], fit.scene
     asked = (
         disagreeing(second, noise, units=fit.units, gauges=tuple(fit.gauges)),
-        backwards(scene.fine_torque, scene.fine_speed, rate=FINE),
+        backwards(scene.fine_torque, scene.fine_speed, rate=scene.rate),
         unlike(second, noise, computed[:, 1]),
     )
     doubts = tuple(doubt for doubt in asked if doubt is not None)
