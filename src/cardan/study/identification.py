@@ -846,7 +846,7 @@ def identify(
     plain = places[0]
     width = _spread(fit, plain)
     fit = fit.allowing(fit.said(plain.free, plain.x))
-    minima = _apart([_ended(fit, one.free, one.x) for one in places[:RIVALS]])
+    minima = _apart([_ended(fit, one.free, one.x, steps=40, gain=1e-6) for one in places[:RIVALS]])
     return _told(fit, minima, (plain.x, width), application, state=state, bearing=bearing)
 
 
@@ -987,9 +987,9 @@ def _searched(fit: _Fit, coarse: _Fit, free: list[_Free]) -> list[_Found]:
     return _apart([_ended(fit, free, one.x) for one in places[:RIVALS]])
 
 
-def _ended(fit: _Fit, free: list[_Free], x: FloatArray) -> _Found:
-    """Return where least squares end that begin at a place (p,)."""
-    at = least(partial(fit.rows, free), x)
+def _ended(fit: _Fit, free: list[_Free], x: FloatArray, **how: Any) -> _Found:
+    """Return where least squares end that begin at a place (p,), as `least` is told."""
+    at = least(partial(fit.rows, free), x, **how)
     return _Found(at.x, at.left, at.slope, free)
 
 

@@ -61,8 +61,11 @@ def squares(left: FloatArray) -> float:
     return float(left @ left)
 
 
-def least(rows: Rows, start: FloatArray, *, steps: int = 12) -> Minimum:
-    """Least squares by Levenberg and Marquardt, from a place (p,)."""
+def least(rows: Rows, start: FloatArray, *, steps: int = 12, gain: float = 1e-4) -> Minimum:
+    """Least squares by Levenberg and Marquardt, from a place (p,).
+
+    They end where a step takes less than a share `gain` of the misfit away.
+    """
     x, left = start.copy(), rows(start)
     damp = 1e-3
     slope = _slopes(rows, x, left)
@@ -81,7 +84,7 @@ def least(rows: Rows, start: FloatArray, *, steps: int = 12) -> Minimum:
         gone = 1 - (tried @ tried) / (left @ left)
         x, left, damp = x + step, tried, damp / 5
         slope = _slopes(rows, x, left)
-        if gone < 1e-4:
+        if gone < gain:
             break
     return Minimum(x, left, slope)
 
