@@ -1,50 +1,69 @@
 """The best of many places where least squares end."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
 from cardan.study.minima import _moves, apart, least, searched
 
-STIFF = np.array([1.0, 1.6, 2.4, 4.0])
-SEEN = np.array([1.0, -0.5, 0.3, 0.2])
-FAR = np.array([np.log(2)] * 4 + [0.0])
-PRIOR = np.array([0.5] * 4 + [0.1])
 CLOCK = np.linspace(0.3, 2.6, 90)
 
 
-def answer(x):
-    """What is seen of four springs beside one another, the last ones faintly, and of a gain."""
-    springs = STIFF * np.exp(x[:4])
-    return np.exp(x[4]) * (SEEN / (springs * (1 + 0.1j) - CLOCK[:, None] ** 2)).sum(-1)
+@dataclass(frozen=True)
+class Springs:
+    """Springs beside one another, the last ones seen faintly, and a gain."""
+
+    stiff: tuple
+    seen: tuple
+    far: float
+
+    @property
+    def reach(self):
+        return np.array([np.log(self.far)] * len(self.stiff) + [0.0])
+
+    def answer(self, x):
+        springs = np.array(self.stiff) * np.exp(x[:-1])
+        return np.exp(x[-1]) * (self.seen / (springs * (1 + 0.1j) - CLOCK[:, None] ** 2)).sum(-1)
+
+    def asked(self, seed):
+        """Return what is left over, and the truth."""
+        rng = np.random.default_rng(seed)
+        true = np.append(rng.uniform(-1, 1, len(self.stiff)), rng.normal(0, 0.1))
+        true[:-1] *= np.log(self.far)
+        noise = 0.1 * np.abs(self.answer(true)) + 0.02
+        seen = self.answer(true) + noise * (rng.normal(size=90) + 1j * rng.normal(size=90))
+        prior = np.where(self.reach > 0, 0.5, 0.1)
+
+        def rows(x):
+            off = (seen - self.answer(x)) / noise
+            return np.concatenate([off.real, off.imag, x / prior])
+
+        return rows, true
 
 
-def asked(seed):
-    """Return what is left over, and the truth."""
-    rng = np.random.default_rng(seed)
-    true = np.append(rng.uniform(-1, 1, 4) * np.log(2), rng.normal(0, 0.1))
-    noise = 0.1 * np.abs(answer(true)) + 0.02
-    seen = answer(true) + noise * (rng.normal(size=90) + 1j * rng.normal(size=90))
-
-    def rows(x):
-        off = (seen - answer(x)) / noise
-        return np.concatenate([off.real, off.imag, x / PRIOR])
-
-    return rows, true
+FOUR = Springs((1.0, 1.6, 2.4, 4.0), (1.0, -0.5, 0.3, 0.2), 3.0)
+SIX = Springs((1.0, 1.4, 1.9, 2.6, 3.4, 4.5), (1.0, -0.8, 0.6, 0.4, 0.3, 0.2), 2.0)
 
 
-def test_the_best_of_many_places_is_found():
-    """As good as where it ends that begins in the truth, in 38 of 40; from nought it is in 13."""
+@pytest.mark.parametrize(("springs", "least_told"), [(FOUR, 54), (SIX, 42)])
+def test_the_best_of_many_places_is_found(springs, least_told):
+    """As good as where it ends that begins in the truth, of 60; from nought it is in a few.
+
+    55 and 45; where it does not go on elsewhere 45 and 25, goes on once 54 and 37, begins in
+    nought alone 52 and 44.
+    """
     told, near = 0, 0
-    for seed in range(40):
-        rows, true = asked(seed)
+    for seed in range(60):
+        rows, true = springs.asked(seed)
         good = least(rows, true, steps=50).misfit + 1
-        found = searched(rows, far=FAR)
+        found = searched(rows, far=springs.reach)
         told += found[0].misfit < good
-        near += least(rows, np.zeros(5), steps=50).misfit < good
+        near += least(rows, np.zeros(true.size), steps=50).misfit < good
         assert [one.misfit for one in found] == sorted(one.misfit for one in found)
         for k, one in enumerate(found):
-            assert all(np.abs((one.x - other.x)[:4]).max() > 0.05 for other in found[:k])
-    assert told >= 37 > 20 > near
+            assert all(np.abs((one.x - other.x)[:-1]).max() > 0.05 for other in found[:k])
+    assert told >= least_told > 20 > near
 
 
 def test_least_squares_end_where_nothing_is_better():
@@ -52,7 +71,7 @@ def test_least_squares_end_where_nothing_is_better():
     found = least(lambda x: np.array([10 * (x[1] - x[0] ** 2), 1 - x[0]]), np.zeros(2), steps=200)
     assert found.x == pytest.approx([1, 1], abs=1e-3)
     assert found.misfit < 1e-6
-    rows, true = asked(1)
+    rows, true = FOUR.asked(1)
     ended = least(rows, true, steps=50)
     assert np.abs(ended.slope.T @ ended.left).max() < 1
     assert ended.left == pytest.approx(rows(ended.x))
@@ -69,8 +88,8 @@ def test_of_many_numbers_not_every_two_are_moved(count, ways):
 
 
 def test_what_was_found_twice_is_one():
-    rows, true = asked(3)
+    rows, true = FOUR.asked(3)
     one = least(rows, true)
-    other = least(rows, true + 0.5 * (FAR > 0), steps=0)
-    alike = least(rows, one.x + 0.3 * (FAR == 0), steps=0)
+    other = least(rows, true + 0.5 * (FOUR.reach > 0), steps=0)
+    alike = least(rows, one.x + 0.3 * (FOUR.reach == 0), steps=0)
     assert apart([other, alike, one], range(4)) == [one, other]
