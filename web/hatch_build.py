@@ -1,16 +1,19 @@
-"""Puts the built page of the workbench into what is distributed, where Node can build it."""
+"""Puts the built page of the workbench into what is distributed."""
 
+import os
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
+WITHOUT_PAGE = "CARDAN_WITHOUT_PAGE"
+"""Variable of the environment that, set to 1, asks for a package without the workbench."""
+
 
 class PageHook(BuildHookInterface[Any]):
-    """Builds the page where its sources are newer; says in one line where it cannot."""
+    """Builds the page where its sources are newer; without it there is no package to hand on."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Build the page, unless the package is installed in place."""
@@ -19,14 +22,17 @@ class PageHook(BuildHookInterface[Any]):
         page, sources = root / "src/cardan/web/static/index.html", root / "web"
         read = (*(sources / "src").glob("*"), root / "src/cardan/web/messages.schema.json")
         newest = max((p.stat().st_mtime for p in read if p.exists()), default=0.0)
-        if version == "editable" or (page.exists() and page.stat().st_mtime >= newest):
+        unwanted = version == "editable" or os.environ.get(WITHOUT_PAGE) == "1"
+        if unwanted or (page.exists() and page.stat().st_mtime >= newest):
             return
         npm = shutil.which("npm")
         why = "Node with npm is not installed" if npm is None else self._built(npm, sources)
         if why:
-            sys.stderr.write(
-                f"cardan: the workbench's page is not built, `cardan serve` says so: {why}\n"
+            msg = (
+                f"the workbench's page cannot be built: {why}; set {WITHOUT_PAGE}=1 for a package "
+                "in which `cardan serve` says that it has none"
             )
+            raise RuntimeError(msg)
 
     @staticmethod
     def _built(npm: str, sources: Path) -> str:

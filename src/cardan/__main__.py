@@ -1,5 +1,20 @@
 """`python -m cardan` is `cardan`."""
 
-from cardan.cli import cli
+import os
 
-cli(prog_name="cardan")
+
+def main() -> None:
+    """Run the command line; Ctrl-C ends it without a traceback from here on."""
+    try:
+        from cardan.core.interrupts import exit_on_interrupts
+
+        exit_on_interrupts()
+    except KeyboardInterrupt:
+        os._exit(130)
+    from cardan.cli import cli
+
+    cli(prog_name="cardan")
+
+
+if __name__ == "__main__":
+    main()

@@ -4,55 +4,55 @@ import { useEffect, useState } from "preact/hooks";
 import type { ComponentType } from "preact";
 import { Campaign } from "./Campaign";
 import { Card, Select } from "./Card";
-import { Change } from "./Change";
-import { Drawing, type Shown } from "./Drawing";
-import { Dials } from "./Dial";
+import { CorrectionsView } from "./Corrections";
+import { Drawing, type ShownLine } from "./Drawing";
+import { YokePhaseDials } from "./YokePhaseDials";
 import { Editor } from "./Editor";
-import { number, percent } from "./format";
-import { Guide } from "./Guide";
-import { Detail, Heat } from "./Heat";
-import { Helps } from "./Helps";
-import { unsaved } from "./history";
-import { Library, Shelf } from "./Library";
+import { formatNumber, formatPercent } from "./format";
+import { NewFileForm } from "./NewFileForm";
+import { LimitDetail, MarginHeatmap } from "./MarginHeatmap";
+import { Suggestions } from "./Suggestions";
+import { hasUnsavedEdits } from "./history";
+import { Library, LibraryView } from "./Library";
 import { Limits } from "./Limits";
-import { marks } from "./marks";
-import { Parts } from "./Parts";
+import { partGrades } from "./gradeLookup";
+import { PartsTable } from "./Parts";
 import { Phasors } from "./Phasors";
-import { Angles, Poser } from "./Poser";
+import { JointAngleTable, StatePicker } from "./StatePicker";
 import { Recording } from "./Recording";
-import { Speed } from "./Speed";
-import { placed, store, VIEWS, worst, worstPart, worstState, type Known, type View } from "./store";
-import { t } from "./text";
+import { SpeedView } from "./SpeedView";
+import { problemText, store, VIEWS, worstRank, worstPart, worstState, type AppState, type View } from "./store";
+import { t } from "./i18n";
 import type { Row, Verdict } from "./types";
-import { Pin, Variants } from "./Variants";
-import { card, still, useKnown } from "./use";
+import { KeepVariantButton, Variants } from "./Variants";
+import { memoisedCard, memoised, useAppState } from "./hooks";
 
-type Both = { known: Known; shown: Shown };
+type Both = { known: AppState; shown: ShownLine };
 
 /** What is drawn of a line: where it runs, and what its limits make of that. */
 const drawn = ({ known: k, shown: s }: Both): unknown[] => [s.line, s.laid, s.state, s.free, s.where, k.behind, k.jobs.ghost, k.variants, k.lang, k.fixed];
-const StillViews = card<Both>("views", Views, (p) => [...drawn(p), p.known.live?.obstacles, JSON.stringify(p.shown.marks), p.known.selected, p.known.held, p.known.handles, p.known.theme]);
-const StillAngles = card<Both>("angles", Angles, (p) => [...drawn(p), p.known.jobs, p.known.pose?.line, p.known.pose?.torque]);
-const StillPhasors = card<Both>("phasors", Phasors, drawn);
-const judged = ({ known: k }: { known: Known }): unknown[] => [k.live?.limits, k.live?.states, k.full, k.order, k.settled, k.lang];
-const StillStrip = still<{ known: Known }>(Strip, (p) => [...judged(p), p.known.live?.profile]);
-const StillHeat = card<{ known: Known }>("heat", Heat, (p) => [...judged(p), p.known.selected, p.known.asked.state ?? p.known.pose?.state]);
-const StillHead = still<{ known: Known }>(Head, ({ known: k }) => [k.history, named(k), k.files, k.file, k.connection, k.lang, k.theme, k.fixed]);
+const StillViews = memoisedCard<Both>("views", Views, (p) => [...drawn(p), p.known.live?.obstacles, JSON.stringify(p.shown.marks), p.known.selected, p.known.held, p.known.handles, p.known.theme]);
+const StillAngles = memoisedCard<Both>("angles", JointAngleTable, (p) => [...drawn(p), p.known.jobs, p.known.pose?.line, p.known.pose?.torque]);
+const StillPhasors = memoisedCard<Both>("phasors", Phasors, drawn);
+const judged = ({ known: k }: { known: AppState }): unknown[] => [k.live?.limits, k.live?.states, k.full, k.order, k.settled, k.unfinished, k.lang];
+const StillStrip = memoised<{ known: AppState }>(Strip, (p) => [...judged(p), p.known.live?.profile]);
+const StillHeat = memoisedCard<{ known: AppState }>("heat", MarginHeatmap, (p) => [...judged(p), p.known.selected, p.known.asked.state ?? p.known.pose?.state]);
+const StillHead = memoised<{ known: AppState }>(Head, ({ known: k }) => [k.history, named(k), k.files, k.file, k.connection, k.lang, k.theme, k.fixed]);
 
 /** What a hand that moves something does not change: drawn again once it lets go. */
 const rested = ({ known, shown }: Both): unknown[] => [known.held ? null : known.live, known.held ? null : known.full, known.pose, known.asked, known.theme, known.lang, shown.free, shown.state];
-const StillPoser = still<Both>(Poser, rested);
-const StillDials = still<Both>(Dials, ({ known: k, shown: s }) => [k.held?.startsWith("phase/") ? s.line : k.held ? null : k.live, k.held, k.pose?.turn, k.theme, k.lang, s.index]);
-const StillParts = still<Both>(Parts, ({ known: k, shown: s }) => [k.held ? null : k.live, JSON.stringify(s.marks), k.catalogue, k.lang]);
-const StillEditor = still<{ known: Known }>(Editor, ({ known: k }) => [k.history, k.problems, k.live?.warnings.length, k.lang, k.file]);
-const StillHelps = still<{ known: Known }>(Helps, ({ known: k }) => [k.helps, k.helping, k.full, k.settled, k.lang]);
+const StillPoser = memoised<Both>(StatePicker, rested);
+const StillDials = memoised<Both>(YokePhaseDials, ({ known: k, shown: s }) => [k.held?.startsWith("phase/") ? s.line : k.held ? null : k.live, k.held, k.pose?.turn, k.theme, k.lang, s.index]);
+const StillParts = memoised<Both>(PartsTable, ({ known: k, shown: s }) => [k.held ? null : k.live, JSON.stringify(s.marks), k.catalogue, k.lang]);
+const StillEditor = memoised<{ known: AppState }>(Editor, ({ known: k }) => [k.history, k.problems, k.live?.warnings.length, k.lang, k.file]);
+const StillHelps = memoised<{ known: AppState }>(Suggestions, ({ known: k }) => [k.helps, k.helping, k.full, k.settled, k.lang]);
 
 export function App() {
-  const known = useKnown();
+  const known = useAppState();
   const shown = what(known);
   useKeys();
   useEffect(() => {
-    const dirty = known.history !== null && unsaved(known.history);
+    const dirty = known.history !== null && hasUnsavedEdits(known.history);
     document.title = `${dirty ? "• " : ""}${named(known)}`;
   }, [named(known), known.history]);
   return (
@@ -60,20 +60,20 @@ export function App() {
       <StillHead known={known} />
       <main id="main">
         <Notices known={known} />
-        {known.file === null && known.connection === "open" && <><Library known={known} /><Guide known={known} /></>}
+        {known.file === null && known.connection === "open" && <><Library known={known} /><NewFileForm known={known} /></>}
         {known.connection === "refused" && <p class="card note">{t("This page does not know the workbench: open the address that `cardan serve` printed.")}</p>}
         {shown && (
           <>
             {known.view !== "new" && <StillStrip known={known} />}
             {!known.fixed && <Tabs known={known} views={VIEWS} />}
-            {known.view === "new" && <Guide known={known} />}
+            {known.view === "new" && <NewFileForm known={known} />}
             {known.view === "variants" && <Variants known={known} />}
-            {known.view === "change" && <Change key={shown.line.name} known={known} shown={shown} />}
+            {known.view === "change" && <CorrectionsView key={shown.line.name} known={known} shown={shown} />}
             {known.view === "bracket" && <Later load={() => import("./Bracket")} known={known} />}
             {known.view === "recording" && <Recording known={known} />}
             {known.view === "limits" && <Limits known={known} />}
-            {known.view === "library" && <Shelf known={known} />}
-            {known.view === "speed" && <Speed known={known} shown={shown} />}
+            {known.view === "library" && <LibraryView known={known} />}
+            {known.view === "speed" && <SpeedView known={known} shown={shown} />}
             {known.view === "line" && <div class="columns">
               <div class="left">
                 <StillViews known={known} shown={shown} />
@@ -84,7 +84,7 @@ export function App() {
               </div>
               <div class="right">
                 <StillHeat known={known} />
-                <Detail known={known} />
+                <LimitDetail known={known} />
                 {!known.fixed && <StillHelps known={known} />}
                 <StillPhasors known={known} shown={shown} />
                 {!known.fixed && <StillDials known={known} shown={shown} />}
@@ -93,7 +93,7 @@ export function App() {
           </>
         )}
         {known.campaign && <Tabs known={known} views={["line", "variants", "library", "new"]} />}
-        {known.campaign && (known.view === "library" ? <Shelf known={known} /> : known.view === "new" ? <Guide known={known} /> : known.view === "variants" ? <Variants known={known} /> : <Campaign known={known} of={known.campaign} />)}
+        {known.campaign && (known.view === "library" ? <LibraryView known={known} /> : known.view === "new" ? <NewFileForm known={known} /> : known.view === "variants" ? <Variants known={known} /> : <Campaign known={known} of={known.campaign} />)}
         {!shown && !known.campaign && known.file !== null && known.history && (
           <>
             {known.problems.length > 0 && <p class="card note fail">{t("The file cannot be read as it is: see what is wrong below.")}</p>}
@@ -106,10 +106,10 @@ export function App() {
 }
 
 /** What is open, by its title. */
-const named = ({ live, campaign }: Known): string => (live ?? campaign)?.title ?? "cardan";
+const named = ({ live, campaign }: AppState): string => (live ?? campaign)?.title ?? "cardan";
 
 /** The views of what is open; of an application the verdict stands above each. */
-function Tabs({ known, views }: { known: Known; views: readonly View[] }) {
+function Tabs({ known, views }: { known: AppState; views: readonly View[] }) {
   const names: Record<View, string> = { line: known.campaign ? t("Campaign") : t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), bracket: t("Bracket"), recording: t("Recording"), limits: t("Limits"), library: t("Library"), new: t("New") };
   return (
     <nav class="tabs chips" aria-label={t("Views")}>
@@ -119,7 +119,7 @@ function Tabs({ known, views }: { known: Known; views: readonly View[] }) {
 }
 
 /** The line and state that are shown. */
-function what(known: Known): Shown | null {
+function what(known: AppState): ShownLine | null {
   const { live, pose, asked } = known;
   if (!live) return null;
   const index = Math.min(asked.line ?? 0, live.lines.length - 1);
@@ -130,7 +130,7 @@ function what(known: Known): Shown | null {
   const row = store.rows().find((r): r is Row => r.id === known.selected?.row);
   const where = !free ? live.states[state]?.said : asked.state === undefined ? t("where the sliders have it") : row?.points?.[state]?.[known.selected?.part ?? 0];
   const laid = free ? pose.at?.laid : line.states[state];
-  return laid ? { live, line, index, state, laid, free, where: where ?? "", marks: marks(store.rows(), line.name, state) } : null;
+  return laid ? { live, line, index, state, laid, free, where: where ?? "", marks: partGrades(store.rows(), line.name, state) } : null;
 }
 
 function useKeys(): void {
@@ -150,9 +150,9 @@ function useKeys(): void {
   }, []);
 }
 
-function Head({ known }: { known: Known }) {
+function Head({ known }: { known: AppState }) {
   const history = known.history;
-  const dirty = history !== null && unsaved(history);
+  const dirty = history !== null && hasUnsavedEdits(history);
   const title = named(known);
   return (
     <header class="head">
@@ -170,20 +170,20 @@ function Head({ known }: { known: Known }) {
         <button class="save" disabled={!dirty} onClick={() => store.save()} title="Ctrl+S">{t("Save")}</button>
         </>}
         <Select label={t("Language")} value={known.lang} choose={(lang) => store.speak(lang)} of={known.languages} />
-        <Select label={t("Colours")} value={known.theme} choose={(theme) => store.theme(theme as Known["theme"])} of={[["auto", t("as the system")], ["light", t("light")], ["dark", t("dark")]]} />
+        <Select label={t("Colours")} value={known.theme} choose={(theme) => store.theme(theme as AppState["theme"])} of={[["auto", t("as the system")], ["light", t("light")], ["dark", t("dark")]]} />
       </div>
     </header>
   );
 }
 
-function Notices({ known }: { known: Known }) {
+function Notices({ known }: { known: AppState }) {
   const n = known.notice;
   const unread = (known.live ?? known.campaign) !== null && known.problems.length > 0;
   const said = n && (n.kind === "refused" ? n.why : {
     restored: t("What was not saved last time is here again; undo goes back to the file."),
     elsewhere: t("Another page has unsaved edits of this file: they are shown here too; undo goes back to the file."),
     reloaded: t("The file was changed on disk, and is shown as it is now."),
-    beside: t("A file that this one names was changed on disk, and is asked again."),
+    beside: t("A file that this one names was changed on disk; the verdict is computed again."),
     conflict: t("The file was changed on disk while there are unsaved edits here."),
   }[n.kind]);
   return (
@@ -200,26 +200,29 @@ function Notices({ known }: { known: Known }) {
           ) : <button onClick={() => store.dismiss()}>{t("close")}</button>}
         </p>
       )}
-      {unread && (<p class="notice fail">{t("Shown is the last that could be read: {why}", { why: known.problems.slice(0, 1).map(placed).join() })}</p>)}
+      {unread && (<p class="notice fail">{t("Shown is the last that could be read: {why}", { why: known.problems.slice(0, 1).map(problemText).join() })}</p>)}
     </div>
   );
 }
 
 const SIGNS: Record<Verdict, string> = { pass: "✓", warn: "△", incomplete: "…", fail: "✗" };
 
-function Strip({ known }: { known: Known }) {
-  const { full, live, settled } = known;
-  // A failure that is known at once is one, whatever comes after.
-  const verdict: Verdict | null = !settled && live?.grade === "fail" ? "fail" : (full?.verdict ?? live?.grade ?? null);
-  const bad = store.rows().filter((r): r is Row => r.values !== undefined && worst(r) < -0.5).sort((a, b) => worst(a) - worst(b));
+function Strip({ known }: { known: AppState }) {
+  const { full, live, settled, unfinished } = known;
+  // A failure that is known at once is one, whatever comes after; nothing else is a verdict without the bearing forces.
+  const failed = !settled && live?.grade === "fail";
+  const verdict: Verdict | null = failed ? "fail" : unfinished ? "incomplete" : (full?.verdict ?? live?.grade ?? null);
+  const decided = settled || failed || unfinished !== "";
+  const bad = store.rows().filter((r): r is Row => r.values !== undefined && worstRank(r) < -0.5).sort((a, b) => worstRank(a) - worstRank(b));
   return (
-    <section class={`strip ${verdict ?? ""} ${settled ? "" : "open"}`} aria-label={t("Verdict")}>
-      <p class="verdict" role="status"><span aria-hidden="true">{verdict ? SIGNS[verdict] : ""}</span> {verdict ? t(verdict) : "…"}</p>
+    <section class={`strip ${decided ? (verdict ?? "") : ""} ${settled ? "" : "open"}`} aria-label={t("Verdict")}>
+      <p class="verdict" role="status"><span aria-hidden="true">{verdict ? (decided ? SIGNS[verdict] : "…") : ""}</span> {verdict ? ((!unfinished && verdict === full?.verdict && full.headline) || t(verdict)) : "…"}</p>
       <p class="counts">
-        {full && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counted[g]}</span>)}
-        {full && full.missed > 0 && <span>{t("{count} unanswered", { count: full.missed })}</span>}
+        {full && !unfinished && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counted[g]}</span>)}
+        {full && !unfinished && full.missed > 0 && <span>{t("{count} not evaluated", { count: full.missed })}</span>}
         <span class="profile">{live?.profile}</span>
-        <span class="pending" aria-hidden={settled}>{settled ? "" : t("bearing forces follow …")}</span>
+        <span class="pending" aria-hidden={settled}>{settled ? "" : unfinished ? t("bearing forces not evaluated: {why}", { why: unfinished }) : t("bearing forces follow …")}</span>
+        {unfinished && <button onClick={() => store.evaluateAgain()}>{t("evaluate again")}</button>}
       </p>
       <ul class="worst">
         {bad.slice(0, 5).map((row) => {
@@ -231,7 +234,7 @@ function Strip({ known }: { known: Known }) {
               <button class={grade} onClick={() => store.look({ row: row.id, state: s, part: p })}>
                 <b>{live && live.lines.length > 1 && `${row.line}: `}{row.name}</b>
                 <span>{row.points?.[s]?.[p] || live?.states[s]?.said}{row.parts[p] ? `, ${row.parts[p]}` : ""}</span>
-                <span>{number(row.values[s]?.[p])} {row.unit} <i>{percent(row.margins[s]?.[p])} %</i></span>
+                <span>{formatNumber(row.values[s]?.[p])} {row.unit} <i>{formatPercent(row.margins[s]?.[p])} %</i></span>
               </button>
             </li>
           );
@@ -248,17 +251,17 @@ function Later<P extends object>({ load, ...props }: { load: () => Promise<{ def
   return Of ? <Of {...(props as unknown as P)} /> : <p class="note">…</p>;
 }
 
-function Views({ known, shown }: { known: Known; shown: Shown }) {
+function Views({ known, shown }: { known: AppState; shown: ShownLine }) {
   const [deep, go] = useState(false);
   return (
     <Card id="views" title={t("Drawing")} note={<>{shown.where}{!deep && ` · ${t("light: the other states; dashed: as installed")}`}</>} head={
       <div class="chips" role="group" aria-label={t("Drawing")}>
-        {!known.fixed && <Pin known={known} />}
+        {!known.fixed && <KeepVariantButton known={known} />}
         <button aria-pressed={!deep} onClick={() => go(false)}>{t("side and top")}</button>
         <button aria-pressed={deep} onClick={() => go(true)}>3-D</button>
       </div>
     }>
-      {deep ? (<Later load={() => import("./Scene")} known={known} shown={shown} />) : (
+      {deep ? (<Later load={() => import("./LineScene")} known={known} shown={shown} />) : (
         <>
           <Drawing known={known} shown={shown} view="side" />
           <Drawing known={known} shown={shown} view="top" />

@@ -2,7 +2,7 @@
 
 import type { Block } from "./types";
 
-export function Blocks({ of }: { of: Block[] }) {
+export function ReportBlocks({ of }: { of: Block[] }) {
   return (
     <div class="blocks">
       {of.map((b, k) => {

@@ -2,29 +2,29 @@
 
 import { useEffect, useState } from "preact/hooks";
 import * as THREE from "three";
-import { Blocks } from "./Blocks";
+import { ReportBlocks } from "./Blocks";
 import { Card } from "./Card";
-import { fixed, number, percent } from "./format";
-import { put, skin, useStage, type Stage } from "./stage";
-import { store, type Job, type Known } from "./store";
-import { t } from "./text";
+import { formatFixed, formatNumber, formatPercent } from "./format";
+import { toSceneAxes, surfaceMaterial, useScene3d, type Scene3d } from "./scene3d";
+import { store, type Job, type AppState } from "./store";
+import { t } from "./i18n";
 import type { Point, Seated } from "./types";
-import { Asking } from "./Speed";
+import { JobButton } from "./SpeedView";
 
 type Variant = Seated["variants"][number];
 type Case = Variant["cases"][number];
 
-export default function Bracket({ known }: { known: Known }) {
+export default function Bracket({ known }: { known: AppState }) {
   const job = known.jobs.bracket as Job<Seated> | undefined;
   const of = job?.answer;
   return (
     <>
-      <Card id="bracket" title={t("The bracket")} head={<><Asking job={job} name="bracket" word={t("solve it")} stale={job?.of !== store.about({})} ask={() => store.work("bracket")} />{of && <b class={of.verdict}>{t(of.verdict)}</b>}</>}>
+      <Card id="bracket" title={t("The bracket")} head={<><JobButton job={job} name="bracket" word={t("solve it")} stale={job?.of !== store.about({})} ask={() => store.work("bracket")} />{of && <b class={of.verdict}>{t(of.verdict)}</b>}</>}>
         {!of && <p class="note">{t("Finite elements under the loads of every state: some minutes. Its shape: bracket in the file.")}</p>}
-        {of && <ul class="others">{of.checks.map((c) => <li key={c.quantity + c.where}><b class={c.grade}>{t(c.grade)}</b> {c.name}, {c.where}: {number(c.value)} {c.unit} ({percent(c.margin)} %)</li>)}</ul>}
+        {of && <ul class="others">{of.checks.map((c) => <li key={c.quantity + c.where}><b class={c.grade}>{t(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} {c.unit} ({formatPercent(c.margin)} %)</li>)}</ul>}
       </Card>
       {of && <Shape key={job?.id} of={of} />}
-      {of && <section class="card"><Blocks of={of.blocks} /></section>}
+      {of && <section class="card"><ReportBlocks of={of.blocks} /></section>}
     </>
   );
 }
@@ -57,25 +57,25 @@ function Shape({ of }: { of: Seated }) {
     const p = turned(variant.points);
     return Array.from({ length: p.length / 3 }, (_, k) => [p[3 * k] ?? 0, -(p[3 * k + 2] ?? 0), p[3 * k + 1] ?? 0]);
   };
-  const { box, stage, missing } = useStage(t("The bracket in three dimensions"), (s) => { build(s, variant, shown, of, plenty, marked); s.look(ends(), [-0.8, -1, 0.6]); }, [v]);
+  const { box, stage, missing } = useScene3d(t("The bracket in three dimensions"), (s) => { build(s, variant, shown, of, plenty, marked); s.look(ends(), [-0.8, -1, 0.6]); }, [v]);
   useEffect(() => { if (stage.current) build(stage.current, variant, shown, of, plenty, marked); }, [v, shown, plenty, marked]);
   return (
     <Card id="stress" kind="" title={t("Stress where it peaks")} note={t("von Mises, each case when it stresses most")}>
       {of.variants.length > 1 && <div class="chips" role="group" aria-label={t("shape")}>{of.variants.map((o, k) => <button key={o.name} aria-pressed={k === v} onClick={() => setV(k)}>{o.name}</button>)}</div>}
       <div class="chips" role="group" aria-label={t("case")}>{variant.cases.map((o, k) => <button key={o.name} aria-pressed={o === shown} onClick={() => setC(k)}>{o.name}</button>)}</div>
       {missing ? <p class="note">{t("This browser draws nothing in three dimensions.")}</p> : <div class="canvas marks" ref={box} />}
-      <p class="ends colours"><span>0</span><i aria-hidden="true" /><span data-top>{fixed(shown.top, 1)} MPa</span></p>
+      <p class="ends colours"><span>0</span><i aria-hidden="true" /><span data-top>{formatFixed(shown.top, 1)} MPa</span></p>
       <label class="slider">{t("deformation")}<output>{plenty === 0 ? t("none") : ""}</output><input type="range" min={0} max={1} step={0.01} value={plenty} onInput={(e) => give(Number(e.currentTarget.value))} /></label>
       <ol class="zones">
         {variant.zones.map((z, k) => (
-          <li key={z.said}><button class="link" aria-pressed={marked === k} onClick={() => mark(marked === k ? null : k)}>{z.mark} {z.said}</button>: {number(z.MPa)} MPa, {z.case} <span class="note">{z.at.map((x) => fixed(x, 0)).join(" ")} mm{z.used !== null && `, ${t("{share} % of its fatigue limit", { share: number(100 * z.used) })}`}</span></li>
+          <li key={z.said}><button class="link" aria-pressed={marked === k} onClick={() => mark(marked === k ? null : k)}>{z.mark} {z.said}</button>: {formatNumber(z.MPa)} MPa, {z.case} <span class="note">{z.at.map((x) => formatFixed(x, 0)).join(" ")} mm{z.used !== null && `, ${t("{share} % of its fatigue limit", { share: formatNumber(100 * z.used) })}`}</span></li>
         ))}
       </ol>
     </Card>
   );
 }
 
-function build(s: Stage, v: Variant, c: Case, of: Seated, plenty: number, marked: number | null): void {
+function build(s: Scene3d, v: Variant, c: Case, of: Seated, plenty: number, marked: number | null): void {
   s.clear();
   const [points, u, stress] = [turned(v.points), turned(c.u), new Float32Array(bytes(c.s))];
   const most = (a: Float32Array): number => a.reduce((m, x) => Math.max(m, Math.abs(x)), 0);
@@ -90,8 +90,8 @@ function build(s: Stage, v: Variant, c: Case, of: Seated, plenty: number, marked
   const names = new Map<string, Point>([...of.gauges.map((g): [string, Point] => [g.name, mm(g.at)]), ...v.zones.flatMap((z, k): [string, Point][] => (z.mark || k === marked ? [[z.mark || z.said, z.at]] : []))]);
   const chosen = marked === null ? null : v.zones[marked];
   for (const [name, at] of names) {
-    const ball = new THREE.Mesh(new THREE.SphereGeometry(size / (at === chosen?.at ? 35 : 70), 16, 12), skin(at === chosen?.at ? "--fail" : "--ink"));
-    ball.position.copy(put(at));
+    const ball = new THREE.Mesh(new THREE.SphereGeometry(size / (at === chosen?.at ? 35 : 70), 16, 12), surfaceMaterial(at === chosen?.at ? "--fail" : "--ink"));
+    ball.position.copy(toSceneAxes(at));
     ball.name = name;
     [ball.material.depthTest, ball.renderOrder] = [false, 1];
     s.group.add(ball);
@@ -101,7 +101,7 @@ function build(s: Stage, v: Variant, c: Case, of: Seated, plenty: number, marked
 }
 
 /** Write the names of the marks over the picture. */
-function named(s: Stage): void {
+function named(s: Scene3d): void {
   s.box.querySelectorAll("span").forEach((e) => e.remove());
   for (const one of s.group.children.filter((o) => o.name)) {
     const at = one.position.clone().project(s.camera);

@@ -18,7 +18,7 @@ export function Card({ id: given, kind = given, title, note, head, children }: {
 type Head = ComponentChild | [ComponentChild];
 
 /** A table that scrolls by itself, under heads in their order: those of numbers each in a list. */
-export function Sheet({ label, head, children }: { label: string; head: Head[]; children?: ComponentChildren }) {
+export function DataTable({ label, head, children }: { label: string; head: Head[]; children?: ComponentChildren }) {
   return (
     <div class="scroll" tabindex={0} role="region" aria-label={label}>
       <table class="rows">

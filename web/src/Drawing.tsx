@@ -1,29 +1,29 @@
 // Side and top view: the line where it is shown, as installed and in its states; handles on it.
 
 import { useMemo, useRef } from "preact/hooks";
-import { fixed, signed } from "./format";
-import type { Marks } from "./marks";
-import { store, type Job, type Known } from "./store";
-import { t } from "./text";
+import { formatFixed, formatSigned } from "./format";
+import type { PartGrades } from "./gradeLookup";
+import { store, type Job, type AppState } from "./store";
+import { t } from "./i18n";
 import type { Drag, Ghost, Handle, Laid, Line, Live, Maybe, Obstacle, Point } from "./types";
-import { useHand, useWidth } from "./use";
-import { ACROSS, along, AXIS, moved, page, tenth, type Page, type View } from "./view";
+import { useDragHandlers, useElementWidth } from "./hooks";
+import { VERTICAL_COMPONENT, dragVector, VERTICAL_AXIS, pixelsToMillimetres, drawingScale, roundToTenth, type DrawingScale, type ViewDirection } from "./projection";
 
-export interface Shown { live: Live; line: Line; index: number; state: number; laid: Laid; free: boolean; /** In words: a state, a point of it, or where sliders have it. */ where: string; marks: Marks }
+export interface ShownLine { live: Live; line: Line; index: number; state: number; laid: Laid; free: boolean; /** In words: a state, a point of it, or where sliders have it. */ where: string; marks: PartGrades }
 
-const TALLEST: Record<View, number> = { side: 330, top: 250 };
+const TALLEST: Record<ViewDirection, number> = { side: 330, top: 250 };
 
-export function Drawing({ known, shown, view }: { known: Known; shown: Shown; view: View }) {
-  const [box, width] = useWidth(900);
+export function Drawing({ known, shown, view }: { known: AppState; shown: ShownLine; view: ViewDirection }) {
+  const [box, width] = useElementWidth(900);
   const { live, line, state, marks } = shown;
   const obstacles = live.obstacles.filter((o) => o.line === line.name);
   const tallest = width < 560 ? 260 : TALLEST[view];
-  const fresh = useMemo(() => page(line, obstacles, view, width, tallest), [live, width, view]);
+  const fresh = useMemo(() => drawingScale(line, obstacles, view, width, tallest), [live, width, view]);
   const still = useRef(fresh);
   // While a hand moves something the page keeps its scale: nothing else moves under it.
   if (!known.held || still.current.width !== fresh.width) still.current = fresh;
   const p = still.current;
-  const c = ACROSS[view];
+  const c = VERTICAL_COMPONENT[view];
   const selected = known.selected;
   const chosen = selected && store.rows().find((r) => r.id === selected.row);
   const part = chosen?.values ? chosen.kinds[selected?.part ?? 0] : undefined;
@@ -90,7 +90,7 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
               <g key={k} class={`joint ${worst ?? ""} ${marked("joint", k + 1) ? "chosen" : ""}`}>
                 <circle cx={x} cy={y} r={9.5} />
                 <text x={x} y={y + 4} text-anchor="middle">{k + 1}</text>
-                <text class="angle" x={x} y={y + 27} text-anchor="middle">{signed(seen.angles?.[k] ?? 0, 2)}°</text>
+                <text class="angle" x={x} y={y + 27} text-anchor="middle">{formatSigned(seen.angles?.[k] ?? 0, 2)}°</text>
               </g>
             );
           })}
@@ -104,12 +104,12 @@ export function Drawing({ known, shown, view }: { known: Known; shown: Shown; vi
 }
 
 /** How far an obstacle has gone with the axle, mm. */
-function lift(o: Obstacle, shown: Shown, known: Known): number {
+function lift(o: Obstacle, shown: ShownLine, known: AppState): number {
   const travel = shown.free ? known.pose?.travel : shown.line.travel[shown.state];
   return o.share * (travel ?? 0);
 }
 
-function Bar({ of, p, c, lift: up, chosen }: { of: Obstacle; p: Page; c: 1 | 2; lift: number; chosen: boolean }) {
+function Bar({ of, p, c, lift: up, chosen }: { of: Obstacle; p: DrawingScale; c: 1 | 2; lift: number; chosen: boolean }) {
   const rise = c === 2 ? up : 0;
   const [x1, x2] = [p.x(of.start[0]), p.x(of.end[0])];
   const [y1, y2] = [p.y(of.start[c] + rise), p.y(of.end[c] + rise)];
@@ -118,7 +118,7 @@ function Bar({ of, p, c, lift: up, chosen }: { of: Obstacle; p: Page; c: 1 | 2; 
   return (<g class={`obstacle ${chosen ? "chosen" : ""}`}>{flat ? (<ellipse cx={x1} cy={y1} rx={rx} ry={ry} />) : (<line x1={x1} y1={y1} x2={x2} y2={y2} stroke-width={2 * rx} />)}</g>);
 }
 
-function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p: Page; c: 1 | 2; shown: Shown; known: Known; given: Record<string, Maybe | undefined> }) {
+function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p: DrawingScale; c: 1 | 2; shown: ShownLine; known: AppState; given: Record<string, Maybe | undefined> }) {
   const { live, line, p, c } = of;
   return (
     <>
@@ -133,12 +133,12 @@ function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p
         const x = narrow ? p.x(of.shown.laid.joints.at(-1)?.[0] ?? 0) - 26 : behind ? last + 8 : first - 8;
         const up = p.y((o.start[c] + o.end[c]) / 2 + lift(o, of.shown, of.known)) + (narrow ? 24 : 0);
         const y = Math.min(Math.max(up, 60), p.height - 62);
-        const room = free.length ? `${fixed(Math.min(...free), 1)} mm` : "";
+        const room = free.length ? `${formatFixed(Math.min(...free), 1)} mm` : "";
         return (
           <g key={number} class="room" text-anchor={behind && !narrow ? "start" : "end"}>
             <text x={x} y={y - 3}>{o.name.length > 28 ? `${o.name.slice(0, 27)}…` : o.name}{narrow && ` ${room}`}</text>
             <text x={x} y={y + 11}>{!narrow && room}</text>
-            {typeof left === "number" && <text class="onrubber" x={x} y={y + (narrow ? 11 : 25)}>{t("{room} mm free on rubber", { room: fixed(left, 1) })}</text>}
+            {typeof left === "number" && <text class="onrubber" x={x} y={y + (narrow ? 11 : 25)}>{t("{room} mm free on rubber", { room: formatFixed(left, 1) })}</text>}
           </g>
         );
       })}
@@ -156,7 +156,7 @@ function Bearing(of: { x: number; y: number; n: number; grade: string | undefine
   );
 }
 
-function Dimensions(of: { p: Page; bold: Point[]; c: 1 | 2; slopes: number[] | undefined; lengths: number[] | undefined }) {
+function Dimensions(of: { p: DrawingScale; bold: Point[]; c: 1 | 2; slopes: number[] | undefined; lengths: number[] | undefined }) {
   const { p, bold, c } = of;
   return (
     <g class="dimensions" aria-hidden="true">
@@ -169,8 +169,8 @@ function Dimensions(of: { p: Page; bold: Point[]; c: 1 | 2; slopes: number[] | u
         return (
           <g key={k}>
             <line x1={x} y1={y + 3} x2={x} y2={p.height - 44} />
-            <text x={x} y={p.height - 31} text-anchor="middle">{signed(of.slopes?.[k] ?? 0, 2)}°</text>
-            {length !== undefined && room > 70 && (<text x={x} y={p.height - 17} text-anchor="middle">{fixed(length, 0)} mm</text>)}
+            <text x={x} y={p.height - 31} text-anchor="middle">{formatSigned(of.slopes?.[k] ?? 0, 2)}°</text>
+            {length !== undefined && room > 70 && (<text x={x} y={p.height - 17} text-anchor="middle">{formatFixed(length, 0)} mm</text>)}
           </g>
         );
       })}
@@ -178,7 +178,7 @@ function Dimensions(of: { p: Page; bold: Point[]; c: 1 | 2; slopes: number[] | u
   );
 }
 
-function Scale({ p }: { p: Page }) {
+function Scale({ p }: { p: DrawingScale }) {
   const size = [1000, 500, 200, 100, 50].find((m) => m * p.scale < 0.3 * p.width) ?? 50;
   const [x1, x2, y] = [26, 26 + size * p.scale, p.height - 4];
   return (
@@ -190,7 +190,7 @@ function Scale({ p }: { p: Page }) {
 }
 
 /** Where a handle is drawn in the line as it is shown. */
-function spot(h: Handle, shown: Shown, known: Known, view: View): Point | undefined {
+function spot(h: Handle, shown: ShownLine, known: AppState, view: ViewDirection): Point | undefined {
   const { laid, live } = shown;
   if (h.kind === "joint") return laid.joints[h.number - 1];
   // Every shaft but the last has a bearing.
@@ -204,22 +204,22 @@ function spot(h: Handle, shown: Shown, known: Known, view: View): Point | undefi
   return middle;
 }
 
-function Grip(of: { handle: Handle; view: View; p: Page; shown: Shown; known: Known }) {
+function Grip(of: { handle: Handle; view: ViewDirection; p: DrawingScale; shown: ShownLine; known: AppState }) {
   const { handle: h, view, p, shown, known } = of;
   const name = `${view}/${h.line}/${h.kind}/${h.number}`;
   const drag = (by: Point): { drag: Drag } => ({ drag: { kind: h.kind, number: h.number, line: h.line, by_mm: by } });
-  const hand = useHand({
+  const hand = useDragHandlers({
     moved: (dx, dy) => {
-      const [right, up] = moved(p, dx, dy);
-      store.hold(name, drag(along(h.ways, view, right, up)));
+      const [right, up] = pixelsToMillimetres(p, dx, dy);
+      store.hold(name, drag(dragVector(h.ways, view, right, up)));
     },
-    stepped: (right, up) => store.hold(name, drag(along(h.ways, view, tenth(right), tenth(up)))),
+    stepped: (right, up) => store.hold(name, drag(dragVector(h.ways, view, roundToTenth(right), roundToTenth(up)))),
     release: () => store.release(),
     cancel: () => store.cancel(),
   });
   const at = spot(h, shown, known, view);
-  if (!at || !h.ways.includes(AXIS[view])) return null;
-  const c = ACROSS[view];
+  if (!at || !h.ways.includes(VERTICAL_AXIS[view])) return null;
+  const c = VERTICAL_COMPONENT[view];
   const label = t("{part}, {way}: drag, or use the arrow keys", { part: said(h, shown), way: view === "side" ? t("height") : t("to the side") });
   const y = p.y(at[c]) - (h.kind === "bearing" ? 23 : 0);
   return (
@@ -227,7 +227,7 @@ function Grip(of: { handle: Handle; view: View; p: Page; shown: Shown; known: Kn
       class={`grip on-${h.kind} ${known.held === name ? "held" : ""}`}
       tabindex={0} role="slider" aria-label={label} aria-orientation="vertical"
       aria-valuenow={Math.round(at[c] * 10) / 10}
-      aria-valuetext={`${fixed(at[c], 1)} mm`}
+      aria-valuetext={`${formatFixed(at[c], 1)} mm`}
       data-handle={name}
       {...hand}
     >
@@ -238,7 +238,7 @@ function Grip(of: { handle: Handle; view: View; p: Page; shown: Shown; known: Kn
   );
 }
 
-function said(h: Handle, shown: Shown): string {
+function said(h: Handle, shown: ShownLine): string {
   const n = h.number;
   return { joint: t("joint {n}", { n }), bearing: t("centre bearing {n}", { n }), gearbox: t("gearbox slope"), pinion: t("pinion slope"), obstacle: shown.live.obstacles[n - 1]?.name ?? "" }[h.kind];
 }

@@ -2,12 +2,12 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import { Card } from "./Card";
-import { unsaved } from "./history";
-import { store, type Known } from "./store";
-import { t } from "./text";
+import { hasUnsavedEdits } from "./history";
+import { store, type AppState } from "./store";
+import { t } from "./i18n";
 import type { Problem } from "./types";
 
-export function Editor({ known }: { known: Known }) {
+export function Editor({ known }: { known: AppState }) {
   const area = useRef<HTMLTextAreaElement>(null);
   const timer = useRef<ReturnType<typeof setTimeout>>(undefined);
   const last = useRef(0);
@@ -42,7 +42,7 @@ export function Editor({ known }: { known: Known }) {
   const wrong = known.problems;
   const odd = known.live?.warnings ?? [];
   return (
-    <Card id="editor" title={t("The file")} note={<>{known.files[known.file ?? 0]}{unsaved(history) ? ` · ${t("not saved")}` : ""}</>}>
+    <Card id="editor" title={t("The file")} note={<>{known.files[known.file ?? 0]}{hasUnsavedEdits(history) ? ` · ${t("not saved")}` : ""}</>}>
       <textarea
         ref={area}
         aria-labelledby="editor"

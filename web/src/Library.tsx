@@ -2,18 +2,18 @@
 
 import { useEffect, useState } from "preact/hooks";
 import { Card, Select } from "./Card";
-import { percent, plain } from "./format";
-import { Asking } from "./Speed";
-import { store, type Job, type Known } from "./store";
-import { t } from "./text";
+import { formatPercent, showHiddenMarks } from "./format";
+import { JobButton } from "./SpeedView";
+import { store, type Job, type AppState } from "./store";
+import { t } from "./i18n";
 import type { Compared, Status } from "./types";
-import { useKept } from "./use";
-import { Sides } from "./Variants";
+import { useRetainedState } from "./hooks";
+import { VariantComparison } from "./Variants";
 
 /** Files that are compared at once. */
 const MOST = 12;
 
-export function Library({ known }: { known: Known }) {
+export function Library({ known }: { known: AppState }) {
   const [wanted, want] = useState("");
   const [ticked, tick] = useState<number[]>([]);
   useEffect(() => store.work("library", {}, ""), [known.files, known.history?.saved, known.beside, known.lang]);
@@ -30,24 +30,24 @@ export function Library({ known }: { known: Known }) {
           <input type="search" data-field="search" aria-label={t("search")} placeholder={t("search")} value={wanted} onInput={(e) => want(e.currentTarget.value)} />
           <button data-do="compare" disabled={ticked.length < 2 || ticked.length > MOST} onClick={() => store.work("compare", { files: asked.files }, "", asked.file)}>{t("compare what is ticked")}</button>
           {ticked.length > MOST && <span class="note warn" role="alert">{t("up to {count} files stand side by side: untick some", { count: MOST })}</span>}
-          {(job?.running || job?.why) && <span class="note" role="status">{job.why || t("asking …")}</span>}
+          {(job?.running || job?.why) && <span class="note" role="status">{job.why || t("calculating …")}</span>}
         </>
       }>
         {known.files.length === 0 && <p class="note">{t("There is no application file in this folder; `cardan new` writes one.")}</p>}
         <ul>
           {shown.map((r) => (
             <li key={r.file}>
-              <input type="checkbox" disabled={!r.verdict} aria-label={t("compare {file}", { file: plain(r.name) })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
-              <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? t(r.verdict) : r.title ? t("campaign") : t("unreadable")}</b>
-              <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{plain(r.name)}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
-              <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${percent(r.worst.margin)} %`)}</span>
+              <input type="checkbox" disabled={!r.verdict} aria-label={t("compare {file}", { file: showHiddenMarks(r.name) })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
+              <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? r.headline || t(r.verdict) : r.title ? t("campaign") : t("unreadable")}</b>
+              <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{showHiddenMarks(r.name)}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
+              <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${formatPercent(r.worst.margin)} %`)}</span>
             </li>
           ))}
         </ul>
       </Card>
       {compare?.answer && !compare.running && compare.of === store.about(asked, "") && (
         <section class="card" aria-label={t("Variants side by side")}>
-          <Sides of={compare.answer} head={compare.answer.variants.map((v) => plain(v.name))} />
+          <VariantComparison of={compare.answer} head={compare.answer.variants.map((v) => showHiddenMarks(v.name))} />
         </section>
       )}
     </>
@@ -55,10 +55,10 @@ export function Library({ known }: { known: Known }) {
 }
 
 /** What was clicked, as a script that does it again. */
-function Script({ known }: { known: Known }) {
+function Script({ known }: { known: AppState }) {
   const saved = known.history?.saved ?? "";
   const line = known.asked.line ?? 0;
-  const [hold] = useKept<string[]>(`hold/${known.file}/${line}`, []);
+  const [hold] = useRetainedState<string[]>(`hold/${known.file}/${line}`, []);
   useEffect(() => store.work("script", { saved, line, hold }), [known.history?.text, known.beside, saved, line, hold, known.lang]);
   const of = (known.jobs.script as Job<{ script: string; commands: string[]; other: string[] }> | undefined)?.answer;
   if (!of) return null;
@@ -72,9 +72,9 @@ function Script({ known }: { known: Known }) {
 }
 
 /** What of this file goes out, and the files beside it. */
-export const Shelf = ({ known }: { known: Known }) => <><Reports known={known} /><Library known={known} /></>;
+export const LibraryView = ({ known }: { known: AppState }) => <><Reports known={known} /><Library known={known} /></>;
 
-function Reports({ known }: { known: Known }) {
+function Reports({ known }: { known: AppState }) {
   const [lang, speak] = useState(known.lang);
   const [by, sign] = useState("");
   const [note, say] = useState("");
@@ -96,7 +96,7 @@ function Reports({ known }: { known: Known }) {
           <label>{t("Language")}<Select value={lang} choose={speak} of={known.languages} /></label>
           <label>{t("as")}<Select data-field="kind" value={kind} choose={ask} of={known.campaign ? ["html", "pdf", "json"] : ["html", "pdf", "xlsx", "json"]} /></label>
         </div>
-        <Asking job={job} name="report" word={t("make and take it")} stale ask={() => store.work("report", { kind, lang })} />
+        <JobButton job={job} name="report" word={t("make and take it")} stale ask={() => store.work("report", { kind, lang })} />
       </Card><Script known={known} /></div>
       <div class="right"><Card id="revisions" title={t("Revisions")}>
         <div class="fields">

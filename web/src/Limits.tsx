@@ -1,15 +1,15 @@
 // The limits with their sources: another profile, or a deviation that somebody signs.
 
 import { useEffect, useState } from "preact/hooks";
-import { Card, Select, Sheet } from "./Card";
-import { number } from "./format";
-import { store, type Job, type Known } from "./store";
-import { t } from "./text";
+import { Card, Select, DataTable } from "./Card";
+import { formatNumber } from "./format";
+import { store, type Job, type AppState } from "./store";
+import { t } from "./i18n";
 import type { LimitsOf } from "./types";
 
 const EMPTY = { normal: "", maximum: "", reason: "", by: "" };
 
-export function Limits({ known }: { known: Known }) {
+export function Limits({ known }: { known: AppState }) {
   const [at, open] = useState<number | null>(null);
   const [form, set] = useState(EMPTY);
   useEffect(() => { if (!known.held) store.work("limits"); }, [known.history?.text, known.beside, known.held, known.lang]);
@@ -32,14 +32,14 @@ export function Limits({ known }: { known: Known }) {
       <Select label={t("profile")} data-do="profile" value={of.named || "heavy-truck"} choose={(limits) => store.apply({ limits })} of={[...new Set([of.named, ...known.profiles])].filter(Boolean)} />
     )}>
       {job?.why && <p class="note fail" role="status">{job.why}</p>}
-      <Sheet label={t("Limits and their sources")} head={[t("limit"), [t("warns past")], [t("fails past")], t("in"), t("Source of the limit"), ""]}>
+      <DataTable label={t("Limits and their sources")} head={[t("limit"), [t("warns past")], [t("fails past")], t("in"), t("Source of the limit"), ""]}>
         {of.limits.map((m, k) => (
           <>
             <tr key={k} class={m.signed ? "differs" : ""}>
               <th scope="row">{m.name}{m.required && <small>{t("required")}</small>}</th>
               {m.band
-                ? <td class="n" colSpan={2}>{t("outside")} {number(m.band[0])} … {number(m.band[1])} {m.unit}</td>
-                : [m.normal, m.maximum].map((b, i) => <td key={i} class="n">{b === null ? "–" : `${m.sense === "<=" ? "≤" : "≥"} ${number(b)} ${m.unit}`}</td>)}
+                ? <td class="n" colSpan={2}>{t("outside")} {formatNumber(m.band[0])} … {formatNumber(m.band[1])} {m.unit}</td>
+                : [m.normal, m.maximum].map((b, i) => <td key={i} class="n">{b === null ? "–" : `${m.sense === "<=" ? "≤" : "≥"} ${formatNumber(b)} ${m.unit}`}</td>)}
               <td>{m.states.join(", ")}</td>
               <td>{m.signed && <b class="warn">{t("deviation")} </b>}{m.source}</td>
               <td>{!m.band && <button aria-expanded={at === k} onClick={() => { set({ ...EMPTY, by: form.by, normal: m.normal === null ? "" : String(m.normal), maximum: m.maximum === null ? "" : String(m.maximum) }); open(at === k ? null : k); }}>{t("deviate")}</button>}</td>
@@ -59,7 +59,7 @@ export function Limits({ known }: { known: Known }) {
             )}
           </>
         ))}
-      </Sheet>
+      </DataTable>
     </Card>
   );
 }

@@ -1,12 +1,12 @@
 // Joints and tubes by their names in the catalogue, ratings beside: another one is a choice away.
 
-import { Card, Select, Sheet } from "./Card";
-import { number, pointed } from "./format";
-import { store, type Known } from "./store";
-import { t } from "./text";
-import type { Shown } from "./Drawing";
+import { Card, Select, DataTable } from "./Card";
+import { formatNumber, withDecimalSign } from "./format";
+import { store, type AppState } from "./store";
+import { t } from "./i18n";
+import type { ShownLine } from "./Drawing";
 
-export function Parts({ known, shown }: { known: Known; shown: Shown }) {
+export function PartsTable({ known, shown }: { known: AppState; shown: ShownLine }) {
   const { line, marks } = shown;
   const { joints, tubes } = known.catalogue;
   // One name may stand for every joint of the line.
@@ -14,7 +14,7 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
   const listed = alike ? line.joints.slice(0, 1) : line.joints;
   return (
     <Card id="parts" title={t("Parts")} note={t("of the catalogue, with their ratings")}>
-      <Sheet label={t("Parts")} head={[t("part"), t("size"), [t("elastic limit")], [t("fatigue")], [t("bearings")]]}>
+      <DataTable label={t("Parts")} head={[t("part"), t("size"), [t("elastic limit")], [t("fatigue")], [t("bearings")]]}>
         {listed.map((name, k) => {
           const rated = joints.find((j) => j.name === name);
           const part = alike && line.joints.length > 1 ? t("every joint") : t("joint {n}", { n: k + 1 });
@@ -22,7 +22,7 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
             <tr key={`j${k}`}>
               <th scope="row" class={marks[`joint ${k + 1}`] ?? ""}>{part}</th>
               <td><Choice at={line.joint_at[k]} now={line.joint_now[k] || name} label={part} of={joints.map((j) => [j.name, `${j.name} · ${j.series}`])} /></td>
-              {[rated?.peak_Nm, rated?.reversing_Nm, rated?.bearing_Nm].map((torque, c) => <td key={c} class="n">{rated && (torque ? `${number(torque)} N·m` : "–")}</td>)}
+              {[rated?.peak_Nm, rated?.reversing_Nm, rated?.bearing_Nm].map((torque, c) => <td key={c} class="n">{rated && (torque ? `${formatNumber(torque)} N·m` : "–")}</td>)}
             </tr>
           );
         })}
@@ -31,12 +31,12 @@ export function Parts({ known, shown }: { known: Known; shown: Shown }) {
           return (
             <tr key={`t${k}`}>
               <th scope="row">{part}</th>
-              <td><Choice at={line.tube_at[k]} now={line.tube_now[k] || size} label={part} of={tubes.map((c) => [c.name, [c.outer_mm, c.wall_mm].map(String).map(pointed).join(" × ")])} /></td>
+              <td><Choice at={line.tube_at[k]} now={line.tube_now[k] || size} label={part} of={tubes.map((c) => [c.name, [c.outer_mm, c.wall_mm].map(String).map(withDecimalSign).join(" × ")])} /></td>
               <td class="n" colSpan={3}>{size && `${size} mm`}</td>
             </tr>
           );
         })}
-      </Sheet>
+      </DataTable>
     </Card>
   );
 }

@@ -1,14 +1,14 @@
 // How the joints add up: squared angles head to tail, rings where the limits begin.
 
 import { Card } from "./Card";
-import { fixed } from "./format";
-import { t } from "./text";
-import type { Shown } from "./Drawing";
-import type { Known } from "./store";
+import { formatFixed } from "./format";
+import { t } from "./i18n";
+import type { ShownLine } from "./Drawing";
+import type { AppState } from "./store";
 
 const SIZE = 300;
 
-export function Phasors({ known, shown }: { known: Known; shown: Shown }) {
+export function Phasors({ known, shown }: { known: AppState; shown: ShownLine }) {
   const { line, state } = shown;
   const at = shown.free ? known.pose?.at : undefined;
   const ends = at?.phasors ?? line.phasors[state] ?? [];
@@ -17,7 +17,7 @@ export function Phasors({ known, shown }: { known: Known; shown: Shown }) {
   const far = Math.max(0.05, ...ends.map(([x, y]) => Math.hypot(x, y)));
   const reach = 1.18 * Math.max(far, ...rings.map((r) => r.radius ?? 0).filter((r) => r < 3 * far));
   const s = (v: number): number => SIZE / 2 + (v / reach) * (SIZE / 2 - 8);
-  const label = t("How the joints add up: equivalent angle {angle} deg", { angle: fixed(sum, 3) });
+  const label = t("How the joints add up: equivalent angle {angle} deg", { angle: formatFixed(sum, 3) });
   return (
     <Card id="phasors" title={t("Sum of the joints")} note={t("squared angles, deg²")}>
       <svg viewBox={`0 0 ${SIZE} ${SIZE}`} role="img" aria-label={label}>
@@ -42,7 +42,7 @@ export function Phasors({ known, shown }: { known: Known; shown: Shown }) {
         })}
         <line class="sum" x1={s(0)} y1={s(0)} x2={s(ends.at(-1)?.[0] ?? 0)} y2={s(-(ends.at(-1)?.[1] ?? 0))} marker-end="url(#tip-sum)" />
       </svg>
-      <p class="figure"><b>{fixed(sum, 3)}°</b> {t("equivalent angle")}</p>
+      <p class="figure"><b>{formatFixed(sum, 3)}°</b> {t("equivalent angle")}</p>
     </Card>
   );
 }

@@ -3,8 +3,8 @@
 import { useEffect, useLayoutEffect, useRef } from "preact/hooks";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { fixed } from "./format";
-import { colour, useWidth } from "./use";
+import { formatFixed } from "./format";
+import { cssColour, useElementWidth } from "./hooks";
 
 export interface Series {
   name: string;
@@ -15,7 +15,7 @@ export interface Series {
 }
 
 /** What is drawn beside the curves: values they are held against, places, a range of x. */
-export interface Beside {
+export interface PlotAnnotations {
   levels?: { value: number; said?: string; grade?: string }[];
   spots?: { x: number; y: number }[];
   shade?: [number, number] | null;
@@ -23,10 +23,10 @@ export interface Beside {
   top?: number;
 }
 
-interface Drawn { x: number[]; series: Series[]; unit: string; label: string; height: number; theme: string; degrees?: boolean; at?: number | null; beside?: Beside }
+interface Drawn { x: number[]; series: Series[]; unit: string; label: string; height: number; theme: string; degrees?: boolean; at?: number | null; beside?: PlotAnnotations }
 
 export function Plot(of: Drawn) {
-  const [box, width] = useWidth(420);
+  const [box, width] = useElementWidth(420);
   const root = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
   const here = useRef<HTMLElement | null>(null);
@@ -42,8 +42,8 @@ export function Plot(of: Drawn) {
   useEffect(() => {
     const element = root.current;
     if (!element) return undefined;
-    const axis = { stroke: colour("--faint"), grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false }, font: "11px system-ui", size: 34 };
-    const ticks = (unit: string) => (_: uPlot, values: number[]) => values.map((v) => fixed(v, decimals(values)) + unit);
+    const axis = { stroke: cssColour("--faint"), grid: { stroke: cssColour("--line"), width: 1 }, ticks: { show: false }, font: "11px system-ui", size: 34 };
+    const ticks = (unit: string) => (_: uPlot, values: number[]) => values.map((v) => formatFixed(v, axisDecimals(values)) + unit);
     plot.current = new uPlot(
       {
         width,
@@ -57,7 +57,7 @@ export function Plot(of: Drawn) {
           { ...axis, size: 22, values: ticks("") },
           { ...axis, size: 44, values: ticks(of.degrees ? "°" : "") },
         ],
-        series: [{}, ...of.series.map((s) => ({ stroke: colour(`--series-${s.colour}`), width: 1.8, points: { show: false }, ...(s.dash ? { dash: [6, 4] } : {}) }))],
+        series: [{}, ...of.series.map((s) => ({ stroke: cssColour(`--series-${s.colour}`), width: 1.8, points: { show: false }, ...(s.dash ? { dash: [6, 4] } : {}) }))],
         hooks: {
           draw: [(u) => besides(u, of.beside ?? {}), place],
           init: [(u) => { here.current = u.over.appendChild(document.createElement("i")); here.current.className = "here"; }],
@@ -87,7 +87,7 @@ export function Plot(of: Drawn) {
   );
 }
 
-function besides(u: uPlot, { levels = [], spots = [], shade }: Beside): void {
+function besides(u: uPlot, { levels = [], spots = [], shade }: PlotAnnotations): void {
   const { ctx, bbox } = u;
   ctx.save();
   ctx.beginPath();
@@ -95,14 +95,14 @@ function besides(u: uPlot, { levels = [], spots = [], shade }: Beside): void {
   ctx.clip();
   if (shade) {
     const [a, b] = shade.map((x) => u.valToPos(x, "x", true)) as [number, number];
-    ctx.fillStyle = colour("--accent");
+    ctx.fillStyle = cssColour("--accent");
     ctx.globalAlpha = 0.1;
     ctx.fillRect(a, bbox.top, b - a, bbox.height);
     ctx.globalAlpha = 1;
   }
   ctx.font = `${11 * devicePixelRatio}px system-ui`;
   [ctx.textAlign, ctx.textBaseline] = ["left", "bottom"]; // the axes leave another
-  const rising = levels.map((l) => ({ ...l, y: u.valToPos(l.value, "y", true), ink: colour(l.grade ? `--${l.grade}` : "--faint") })).sort((a, b) => a.value - b.value);
+  const rising = levels.map((l) => ({ ...l, y: u.valToPos(l.value, "y", true), ink: cssColour(l.grade ? `--${l.grade}` : "--faint") })).sort((a, b) => a.value - b.value);
   for (const { y, grade, ink } of rising) {
     ctx.lineWidth = 1.3 * devicePixelRatio;
     ctx.strokeStyle = ink;
@@ -118,12 +118,12 @@ function besides(u: uPlot, { levels = [], spots = [], shade }: Beside): void {
     x -= ctx.measureText(said).width + 8;
     last = y;
     // On the line, and before others that cross it.
-    [ctx.strokeStyle, ctx.fillStyle, ctx.lineWidth] = [colour("--card"), ink, 4 * devicePixelRatio];
+    [ctx.strokeStyle, ctx.fillStyle, ctx.lineWidth] = [cssColour("--card"), ink, 4 * devicePixelRatio];
     ctx.strokeText(said, x, y - 1);
     ctx.fillText(said, x, y - 1);
   }
   ctx.lineWidth = 1.3 * devicePixelRatio;
-  ctx.strokeStyle = colour("--ink");
+  ctx.strokeStyle = cssColour("--ink");
   for (const { x, y } of spots) {
     ctx.beginPath();
     ctx.arc(u.valToPos(x, "x", true), u.valToPos(y, "y", true), 4 * devicePixelRatio, 0, 7);
@@ -135,7 +135,7 @@ function besides(u: uPlot, { levels = [], spots = [], shade }: Beside): void {
 const data = (x: number[], series: Series[]): uPlot.AlignedData => [x, ...series.map((s) => s.values)] as uPlot.AlignedData;
 
 /** Decimals that ticks have, up to four: 2.5 stands between 2 and 3. */
-export function decimals(values: number[]): number {
+export function axisDecimals(values: number[]): number {
   const step = Math.abs((values[1] ?? 1) - (values[0] ?? 0)) || 1;
   return [0, 1, 2, 3].find((d) => Math.abs(step * 10 ** d - Math.round(step * 10 ** d)) < 1e-6) ?? 4;
 }

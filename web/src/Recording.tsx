@@ -2,19 +2,19 @@
 
 import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
-import { Blocks } from "./Blocks";
+import { ReportBlocks } from "./Blocks";
 import { Card, Select } from "./Card";
-import { Field } from "./Field";
-import { fixed, number } from "./format";
-import { Asking } from "./Speed";
-import { store, type Job, type Known } from "./store";
-import { t } from "./text";
+import { CellMap } from "./CellMap";
+import { formatFixed, formatNumber } from "./format";
+import { JobButton } from "./SpeedView";
+import { store, type Job, type AppState } from "./store";
+import { t } from "./i18n";
 import type { Channel, Heard, Lived } from "./types";
-import { useKept } from "./use";
+import { useRetainedState } from "./hooks";
 
-export type Rule = "mask" | "accept" | "";
+export type FaultRule = "mask" | "accept" | "";
 
-export function Recording({ known }: { known: Known }) {
+export function Recording({ known }: { known: AppState }) {
   const p = known.parcel;
   const come = p !== null && p.got === p.size;
   useEffect(() => { if (come) store.work("recording", {}, ""); }, [p?.id, come, known.lang]);
@@ -26,13 +26,13 @@ export function Recording({ known }: { known: Known }) {
       <section class="card drop" aria-labelledby="recording" onDragOver={(e) => e.preventDefault()} onDrop={(e) => { e.preventDefault(); take(e.dataTransfer?.files); }}>
         <header>
           <h2 id="recording">{t("Recording")}</h2>
-          <label class="pick">{t("choose a file")}<input type="file" data-field="recording" accept=".csv,.txt,.tsv,.asc,.dat,.parquet,.pq,.h5,.hdf5,.tdms,.mf4,.mdf,.wav" onChange={(e) => take((e.currentTarget as HTMLInputElement).files)} /></label>
-          <span class="note">{t("or drop it here: CSV, Parquet, HDF5, TDMS, MDF or WAV, up to 256 MB; it stays on this machine")}</span>
+          <label class="pick">{t("choose a file")}<input type="file" data-field="recording" onChange={(e) => take((e.currentTarget as HTMLInputElement).files)} /></label>
+          <span class="note">{t("or drop it here, up to 256 MB; it stays on this machine")}</span>
         </header>
         {p && !come && <p class="note" role="status">{p.name} <progress max={p.size} value={p.got} aria-label={p.name} /></p>}
         {job?.running && <p class="note" role="status">{t("reading …")}</p>}
         {come && job?.why && <p class="fail">{job.why}</p>}
-        {of && <p><b>{of.name}</b>: {t("{seconds} s at {rate} Hz, {count} channels", { seconds: number(of.seconds), rate: number(of.rate), count: of.channels.length + of.left })}</p>}
+        {of && <p><b>{of.name}</b>: {t("{seconds} s at {rate} Hz, {count} channels", { seconds: formatNumber(of.seconds), rate: formatNumber(of.rate), count: of.channels.length + of.left })}</p>}
         {of?.notes.map((n) => <p key={n} class="note">{n}</p>)}
       </section>
       {of && p && <Asked key={p.id} of={of} known={known} />}
@@ -50,18 +50,18 @@ const guessed = (of: Heard): Record<string, Channel["role"]> => {
   }));
 };
 
-function Asked({ of, known }: { of: Heard; known: Known }) {
+function Asked({ of, known }: { of: Heard; known: AppState }) {
   const mine = `recording/${known.parcel?.id}`;
-  const [roles, setRoles] = useKept(`${mine}/roles`, guessed(of));
-  const [rules, setRules] = useKept<Record<string, Rule>>(`${mine}/rules`, {});
-  const [typed, type] = useKept<Record<string, string>>(`${mine}/typed`, {});
+  const [roles, setRoles] = useRetainedState(`${mine}/roles`, guessed(of));
+  const [rules, setRules] = useRetainedState<Record<string, FaultRule>>(`${mine}/rules`, {});
+  const [typed, type] = useRetainedState<Record<string, string>>(`${mine}/typed`, {});
   const value = (key: string): string => (typed[key] ?? "").trim();
   const seconds = (key: string): number => Number(value(key).replace(/\s/g, "").replace(",", ".")) || 0;
   const named = (role: Channel["role"]): string => of.channels.find((c) => roles[c.name] === role)?.name ?? "";
   const gauges = of.channels.filter((c) => roles[c.name] === "gauge");
   const used = (c: Channel): boolean => roles[c.name] !== "";
   // A kind before its places: what is said of one of them counts.
-  const ruled = (rule: Rule): string[] => Object.keys(rules).filter((key) => rules[key] === rule && of.channels.some((c) => used(c) && key.startsWith(`${c.name}=`))).sort();
+  const ruled = (rule: FaultRule): string[] => Object.keys(rules).filter((key) => rules[key] === rule && of.channels.some((c) => used(c) && key.startsWith(`${c.name}=`))).sort();
   // As they were typed: which number that is says who reads those of the forms, or asks.
   const numbers = Object.fromEntries(["amplitude", "cycles", "slope", "first", "last", "hours", "modulus"].map((key) => [key, value(key)]));
   const args = {
@@ -69,7 +69,7 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
     mask: ruled("mask"), accept: ruled("accept"), zero: typed.zero ?? "none", ...numbers,
   };
   const job = known.jobs.life as Job<Lived> | undefined;
-  const [open, opens] = useKept<NonNullable<Lived["open"]>>(`${mine}/open`, []);
+  const [open, opens] = useRetainedState<NonNullable<Lived["open"]>>(`${mine}/open`, []);
   useEffect(() => opens([...open, ...(job?.answer?.open ?? []).filter((o) => !open.some((was) => was.rule === o.rule))]), [job?.answer]);
   // Each but a gauge's is one channel's.
   const become = (name: string, role: Channel["role"]): void => setRoles(Object.fromEntries(Object.entries({ ...roles, [name]: role }).map(([n, r]) => [n, n !== name && r === role && role !== "gauge" ? "" : r])));
@@ -80,21 +80,21 @@ function Asked({ of, known }: { of: Heard; known: Known }) {
   return (
     <div class="columns">
       <div class="left">
-        <Channels of={of} between={[first, last]} rules={rules} used={used} decide={(of, rule) => setRules({ ...rules, [of]: rule })}>
+        <ChannelList of={of} between={[first, last]} rules={rules} used={used} decide={(of, rule) => setRules({ ...rules, [of]: rule })}>
           {(c) => (
             <Select label={t("what {channel} is", { channel: c.name })} value={roles[c.name] ?? ""} choose={(role) => become(c.name, role as Channel["role"])} of={Object.entries(roleNames())} />
           )}
-        </Channels>
+        </ChannelList>
       </div>
       <div class="right">
-        <Card id="asks" title={t("Life and causes")} head={<Asking job={job} name="life" word={t("ask")} stale={job?.of !== store.about(args, "")} ask={() => store.work("life", args, "")} disabled={!gauges.length || ["amplitude", "cycles", "slope"].some((key) => !value(key))} />}>
+        <Card id="asks" title={t("Life and causes")} head={<JobButton job={job} name="life" word={t("evaluate")} stale={job?.of !== store.about(args, "")} ask={() => store.work("life", args, "")} disabled={!gauges.length || ["amplitude", "cycles", "slope"].some((key) => !value(key))} />}>
           <fieldset class="fields"><legend class="note">{t("S-N curve at the gauge, half failed, at its knee")}</legend>{box("amplitude", t("amplitude [MPa]"))}{box("cycles", t("cycles"), "2e6")}{box("slope", t("slope"), "5")}{box("modulus", t("Young's modulus [GPa]"), "206")}</fieldset>
-          <fieldset class="fields"><legend class="note">{t("Segment, and what is asked of the life")}</legend>{box("first", t("from [s]"), "0")}{box("last", t("to [s]"), fixed(of.seconds, 0))}{box("hours", t("hours to live"))}
+          <fieldset class="fields"><legend class="note">{t("Segment, and required life")}</legend>{box("first", t("from [s]"), "0")}{box("last", t("to [s]"), formatFixed(of.seconds, 0))}{box("hours", t("hours to live"))}
             <label>{t("taken off as zero")}<Select data-field="zero" value={typed.zero ?? "none"} choose={(zero) => type({ ...typed, zero })} of={[["none", t("nothing")], ["start", t("the start")], ["median", t("the median")], ["drift", t("a slow drift")]]} /></label>
           </fieldset>
           {open.map((o) => <label key={o.rule} class="suspect">{o.said} <Decide of={o.rule} free={t("undecided")} mask={o.mask} rules={rules} decide={(of, rule) => setRules({ ...rules, [of]: rule })} /></label>)}
         </Card>
-        {job?.answer && <Answer of={job.answer} known={known} />}
+        {job?.answer && <RecordingResult of={job.answer} known={known} />}
       </div>
     </div>
   );
@@ -107,11 +107,11 @@ const at = (kind: string, a: number): string => `${kind}@${Math.max(0, a - 1e-6)
 
 /** Channels over time, and what looks wrong in those of gauges, to be decided. */
 /** What something that looks wrong was. */
-const Decide = (p: { of: string; free: string; mask: boolean; rules: Record<string, Rule>; decide: (of: string, rule: Rule) => void }) => (
-  <Select data-rule={p.of} value={p.rules[p.of] ?? ""} choose={(rule) => p.decide(p.of, rule as Rule)} of={[["", p.free], ...(p.mask ? [["mask", t("mask: no part felt it")] as const] : []), ["accept", t("accept: the part felt it")]]} />
+const Decide = (p: { of: string; free: string; mask: boolean; rules: Record<string, FaultRule>; decide: (of: string, rule: FaultRule) => void }) => (
+  <Select data-rule={p.of} value={p.rules[p.of] ?? ""} choose={(rule) => p.decide(p.of, rule as FaultRule)} of={[["", p.free], ...(p.mask ? [["mask", t("mask: no part felt it")] as const] : []), ["accept", t("accept: the part felt it")]]} />
 );
 
-export function Channels(p: { of: Heard; between: [number, number]; rules: Record<string, Rule>; used: (c: Channel) => boolean; decide: (of: string, rule: Rule) => void; children: (c: Channel) => ComponentChildren }) {
+export function ChannelList(p: { of: Heard; between: [number, number]; rules: Record<string, FaultRule>; used: (c: Channel) => boolean; decide: (of: string, rule: FaultRule) => void; children: (c: Channel) => ComponentChildren }) {
   const { of, rules } = p;
   const decide = (key: string, free: string, mask: boolean) => <Decide of={key} free={free} mask={mask} rules={rules} decide={p.decide} />;
   return (
@@ -119,12 +119,12 @@ export function Channels(p: { of: Heard; between: [number, number]; rules: Recor
       <ul>
         {of.channels.map((c) => (
           <li key={c.name}>
-            <p><b>{c.name}</b> <span class="note">{c.unit && `[${c.unit}]`} {number(c.low)} … {number(c.high)}</span> {p.children(c)}</p>
+            <p><b>{c.name}</b> <span class="note">{c.unit && `[${c.unit}]`} {formatNumber(c.low)} … {formatNumber(c.high)}</span> {p.children(c)}</p>
             <Trace of={c} used={p.used(c)} seconds={of.seconds} between={p.between} rules={rules} />
             {p.used(c) && c.suspects.map((s) => (
               <div key={s.kind}>
-                <label class="suspect">{s.said} × {s.count} {decide(`${c.name}=${s.kind}`, t("undecided"), s.mask)} {s.count === 1 && s.places.map(([a = 0]) => `${fixed(a, 2)} s`)}</label>
-                {s.count > 1 && <details class="note"><summary>{t("one by one")}{s.count > s.places.length && `: ${s.places.length} / ${s.count}`}</summary>{s.places.map(([a = 0, z = 0]) => <label key={a} class="suspect">{fixed(a, 3)} … {fixed(z, 3)} s {decide(`${c.name}=${at(s.kind, a)}`, t("as the others"), s.mask)}</label>)}</details>}
+                <label class="suspect">{s.said} × {s.count} {decide(`${c.name}=${s.kind}`, t("undecided"), s.mask)} {s.count === 1 && s.places.map(([a = 0]) => `${formatFixed(a, 2)} s`)}</label>
+                {s.count > 1 && <details class="note"><summary>{t("one by one")}{s.count > s.places.length && `: ${s.places.length} / ${s.count}`}</summary>{s.places.map(([a = 0, z = 0]) => <label key={a} class="suspect">{formatFixed(a, 3)} … {formatFixed(z, 3)} s {decide(`${c.name}=${at(s.kind, a)}`, t("as the others"), s.mask)}</label>)}</details>}
               </div>
             ))}
             {c.said.map((said) => <small key={said} class="note">{said}</small>)}
@@ -136,7 +136,7 @@ export function Channels(p: { of: Heard; between: [number, number]; rules: Recor
 }
 
 /** Smallest and largest values over time, with what looks wrong, and what is left out. */
-function Trace({ of, used, seconds, between, rules }: { of: Channel; used: boolean; seconds: number; between: [number, number]; rules: Record<string, Rule> }) {
+function Trace({ of, used, seconds, between, rules }: { of: Channel; used: boolean; seconds: number; between: [number, number]; rules: Record<string, FaultRule> }) {
   const n = of.highest.length;
   const [low, high] = [of.low ?? 0, of.high ?? 1];
   const y = (v: number | null | undefined): string => (38 - (36 * ((v ?? low) - low)) / (high - low || 1)).toFixed(1);
@@ -153,7 +153,7 @@ function Trace({ of, used, seconds, between, rules }: { of: Channel; used: boole
 }
 
 /** What was answered; its verdict is open, and one chapter may be. */
-export function Answer({ of, known, open }: { of: Lived; known: Known; open?: number }) {
+export function RecordingResult({ of, known, open }: { of: Lived; known: AppState; open?: number }) {
   const [gauge, choose] = useState(0);
   const [at, setAt] = useState<[number, number]>([0, 0]);
   const map = of.orders[Math.min(gauge, of.orders.length - 1)];
@@ -168,18 +168,18 @@ export function Answer({ of, known, open }: { of: Lived; known: Known; open?: nu
       {map && (
         <Card id="orders" kind="" title={t("Amplitude over speed and order")}>
           <div class="chips" role="group" aria-label={t("gauge")}>{of.orders.map((o, k) => <button key={o.gauge} aria-pressed={o === map} onClick={() => choose(k)}>{o.gauge}</button>)}</div>
-          <Field
+          <CellMap
             label={t("Amplitude by order and speed: choose with the arrow keys")} x={map.order} y={map.rpm} up height={260} theme={known.theme}
             grades={map.MPa.map((row) => row.map((v) => (v === null ? null : 0)))} among={["accent"]}
             strength={(row, k) => Math.max(0.02, 1 + Math.log10(Math.max(map.MPa[row]?.[k] ?? 0, 1e-9) / top) / 2.5)}
             at={[r, c]} choose={(row, k) => setAt([row, k])}
-            said={`${t("order {order}", { order: number(middle(map.order, c)) })}, ${number(middle(map.rpm, r))} rpm: ${number(map.MPa[r]?.[c])} MPa`}
+            said={`${t("order {order}", { order: formatNumber(middle(map.order, c)) })}, ${formatNumber(middle(map.rpm, r))} rpm: ${formatNumber(map.MPa[r]?.[c])} MPa`}
           />
-          <p class="ends note"><span>0</span><span>{t("order of the shaft")} →, ↑ {number(map.rpm[0])} … {number(map.rpm.at(-1))} rpm</span><span>{number(map.order.at(-1))}</span></p>
+          <p class="ends note"><span>0</span><span>{t("order of the shaft")} →, ↑ {formatNumber(map.rpm[0])} … {formatNumber(map.rpm.at(-1))} rpm</span><span>{formatNumber(map.order.at(-1))}</span></p>
           <p class="note">{t("What turns with the shaft stands upright, a mode leans; the darker, by powers of ten.")}</p>
         </Card>
       )}
-      {of.chapters.map((ch, k) => <details key={ch.title} class="card more" open={k === 0 || open === k}><summary>{ch.title}</summary><Blocks of={ch.blocks} /></details>)}
+      {of.chapters.map((ch, k) => <details key={ch.title} class="card more" open={k === 0 || open === k}><summary>{ch.title}</summary><ReportBlocks of={ch.blocks} /></details>)}
     </>
   );
 }
@@ -191,11 +191,11 @@ function Removed({ of }: { of: Lived["causes"] }) {
     <ul class="removed">
       {of.map((c) => (
         <li key={c.gauge}>
-          <p><b>{c.gauge}</b>: {t("{share} % of the damage would go with the joints (90 % interval {low} to {high} %): {finding}", { share: fixed(100 * c.removed, 0), low: fixed(100 * c.low, 0), high: fixed(100 * c.high, 0), finding: c.said })}</p>
-          <svg viewBox="0 0 300 14" role="img" aria-label={`${fixed(100 * c.low, 0)} … ${fixed(100 * c.high, 0)} %`}>
+          <p><b>{c.gauge}</b>: {t("{share} % of the damage would go with the joints (90 % interval {low} to {high} %): {finding}", { share: formatFixed(100 * c.removed, 0), low: formatFixed(100 * c.low, 0), high: formatFixed(100 * c.high, 0), finding: c.said })}</p>
+          <svg viewBox="0 0 300 14" role="img" aria-label={`${formatFixed(100 * c.low, 0)} … ${formatFixed(100 * c.high, 0)} %`}>
             <path class="axes" d={`M${x(0)} 12H${x(1)}`} /><rect x={x(c.low)} y="3" width={Math.max(2, x(c.high) - x(c.low))} height="7" /><circle cx={x(c.removed)} cy="6.5" r="4" />
           </svg>
-          {c.shares.length > 0 && <p class="note">{c.shares.filter((s) => (s.share ?? 0) > 0.005).sort((a, b) => (b.share ?? 0) - (a.share ?? 0)).map((s) => `${s.said} ${fixed(100 * (s.share ?? 0), 0)} %`).join(" · ")}</p>}
+          {c.shares.length > 0 && <p class="note">{c.shares.filter((s) => (s.share ?? 0) > 0.005).sort((a, b) => (b.share ?? 0) - (a.share ?? 0)).map((s) => `${s.said} ${formatFixed(100 * (s.share ?? 0), 0)} %`).join(" · ")}</p>}
         </li>
       ))}
     </ul>

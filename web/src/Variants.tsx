@@ -2,13 +2,13 @@
 
 import type { ComponentChild } from "preact";
 import { useEffect } from "preact/hooks";
-import { Card, Select, Sheet } from "./Card";
-import { store, type Job, type Known } from "./store";
-import { t } from "./text";
+import { Card, Select, DataTable } from "./Card";
+import { store, type Job, type AppState } from "./store";
+import { t } from "./i18n";
 import type { Compared } from "./types";
 
 /** Pins what is shown, and chooses what is drawn behind it. */
-export function Pin({ known }: { known: Known }) {
+export function KeepVariantButton({ known }: { known: AppState }) {
   return (
     <>
       <button data-do="pin" onClick={() => store.pin()}>{t("Pin this variant")}</button>
@@ -19,7 +19,7 @@ export function Pin({ known }: { known: Known }) {
   );
 }
 
-export function Variants({ known }: { known: Known }) {
+export function Variants({ known }: { known: AppState }) {
   useEffect(() => {
     if (known.variants.length && !known.held) store.work("compare", { variants: known.variants });
   }, [known.variants, known.history?.text, known.beside, known.held, known.lang]);
@@ -30,15 +30,15 @@ export function Variants({ known }: { known: Known }) {
     return (
       <section class="card">
         <p class="note">{t("Pin a variant, change something, and both stand side by side here.")}</p>
-        <Pin known={known} />
+        <KeepVariantButton known={known} />
       </section>
     );
   }
   const names = [t("as shown"), ...known.variants.map((v) => v.name)];
   return (
-    <Card id="variants" title={t("Variants side by side")} head={<Pin known={known} />}>
+    <Card id="variants" title={t("Variants side by side")} head={<KeepVariantButton known={known} />}>
       {why && <p class="note fail">{why}</p>}
-      <Sides
+      <VariantComparison
         of={of && of.variants.length === names.length ? of : null}
         head={names.map((name, k) => k === 0 ? name : (
           <>
@@ -53,16 +53,16 @@ export function Variants({ known }: { known: Known }) {
 }
 
 /** What variants say differently, and what it does. */
-export function Sides({ of, head }: { of: Compared | null; head: ComponentChild[] }) {
+export function VariantComparison({ of, head }: { of: Compared | null; head: ComponentChild[] }) {
   return (
-    <Sheet label={t("Variants side by side")} head={["", ...head]}>
+    <DataTable label={t("Variants side by side")} head={["", ...head]}>
       {of && (
         <>
-          {of.variants[0]?.verdict && <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict ?? ""}>{t(v.verdict ?? "")}</b> <small>{v.counted.fail}, {v.counted.warn}</small></td>)}</tr>}
+          {of.variants[0]?.verdict && <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict ?? ""}>{v.headline || t(v.verdict ?? "")}</b> <small>{v.counted.fail}, {v.counted.warn}</small></td>)}</tr>}
           {of.differences.map((d) => <tr key={d.name} class="differs"><th scope="row">{d.name}</th>{d.values.map((v, k) => <td key={k}>{v}</td>)}</tr>)}
           {of.effects.map((e) => <tr key={e.name}><th scope="row">{e.name}</th>{e.values.map((v, k) => <td key={k} class={e.grades[k] ?? ""}>{v}</td>)}</tr>)}
         </>
       )}
-    </Sheet>
+    </DataTable>
   );
 }

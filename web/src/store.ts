@@ -1,13 +1,13 @@
 // What the page knows, and all it does. One question is under way; the latest one goes next.
 
 import * as History from "./history";
-import { plain, speak } from "./format";
-import { Frozen } from "./frozen";
-import { Link, type Connection, token } from "./link";
-import { learn, t } from "./text";
-import type { Campaign, Drag, Edits, Full, Handle, Help, Limit, Live, Named, Pose, PoseAsked, Problem, Question, Revision, Row, Spot, Told, Welcome } from "./types";
+import { showHiddenMarks, setNumberLanguage } from "./format";
+import { StaticConnection } from "./staticConnection";
+import { SocketConnection, type ConnectionState, sessionToken } from "./socket";
+import { setTexts, t } from "./i18n";
+import type { Campaign, Drag, Edits, Full, Handle, Help, Limit, Live, Named, Pose, PoseRequest, Problem, EvaluationRequest, Revision, Row, Spot, ServerMessage, Welcome } from "./types";
 
-export interface Selected { row: string; state: number; part: number }
+export interface SelectedCell { row: string; state: number; part: number }
 
 export type Notice =
   | { kind: "restored" | "elsewhere"; left: number }
@@ -16,10 +16,10 @@ export type Notice =
   | { kind: "beside" }
   | { kind: "refused"; why: string };
 
-export interface Known extends Welcome {
-  connection: Connection;
+export interface AppState extends Welcome {
+  connection: ConnectionState;
   file: number | null;
-  history: History.History | null;
+  history: History.EditHistory | null;
   live: Live | null;
   /** What a file of recordings names: then nothing is live. */
   campaign: Campaign | null;
@@ -27,12 +27,14 @@ export interface Known extends Welcome {
   full: Full | null;
   /** Whether the verdict is of what is shown, or of what it was before. */
   settled: boolean;
+  /** Why the verdict of what is shown ended without the bearing forces; "" while it may still come. */
+  unfinished: string;
   pose: Pose | null;
-  asked: PoseAsked;
+  asked: PoseRequest;
   problems: Problem[];
   helps: Help[] | null;
   helping: boolean;
-  selected: Selected | null;
+  selected: SelectedCell | null;
   order: string[];
   notice: Notice | null;
   held: string | null;
@@ -69,10 +71,10 @@ export interface Job<Answer = unknown, Part = unknown> {
   problems?: Problem[] | undefined;
 }
 
-const start: Known = {
+const start: AppState = {
   connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
   catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, campaign: null, handles: [],
-  full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
+  full: null, settled: false, unfinished: "", pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
   order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, parcel: null, variants: [], revisions: [], freezing: false,
   beside: 0, behind: null,
 };
@@ -86,7 +88,7 @@ interface Gesture {
 }
 
 /** `shown` says whether what was asked for is on the page before the answer. */
-interface Waiting { kind: "ask" | "pose"; question: Question; commit: boolean; since: number; shown?: boolean }
+interface Waiting { kind: "ask" | "pose"; question: EvaluationRequest; commit: boolean; since: number; shown?: boolean }
 
 interface Sent extends Waiting { id: number }
 
@@ -98,14 +100,14 @@ function kept<T>(ask: () => T): T | null {
   try { return ask(); } catch { return null; }
 }
 
-export const remembered = (key: string): string | null => kept(() => localStorage.getItem(key));
+export const readPreference = (key: string): string | null => kept(() => localStorage.getItem(key));
 
-export const remember = (key: string, value: string): void => { kept(() => localStorage.setItem(key, value)); };
+export const writePreference = (key: string, value: string): void => { kept(() => localStorage.setItem(key, value)); };
 
 export class Store {
-  known: Known = start;
+  known: AppState = start;
   private readonly watchers = new Set<() => void>();
-  private link: Link | Frozen | null = null;
+  private link: SocketConnection | StaticConnection | null = null;
   private ids = 0;
   private sent: Sent | null = null;
   private next: Waiting | null = null;
@@ -122,7 +124,7 @@ export class Store {
     return () => this.watchers.delete(watcher);
   }
 
-  private set(change: Partial<Known>): void {
+  private set(change: Partial<AppState>): void {
     this.known = { ...this.known, ...change };
     for (const watcher of this.watchers) watcher();
   }
@@ -130,24 +132,24 @@ export class Store {
   // ------------------------------------------------------------------ the socket
 
   connect(): void {
-    const theme = remembered("cardan-theme");
+    const theme = readPreference("cardan-theme");
     if (theme === "light" || theme === "dark") this.theme(theme);
     const kept = document.getElementById("live")?.textContent;
-    const told = (m: Told): void => this.told(m);
-    const connected = (c: Connection): void => this.connected(c);
-    this.link = kept ? new Frozen(kept, told, connected) : new Link(token(), told, connected);
+    const told = (m: ServerMessage): void => this.told(m);
+    const connected = (c: ConnectionState): void => this.connected(c);
+    this.link = kept ? new StaticConnection(kept, told, connected) : new SocketConnection(sessionToken(), told, connected);
     this.set({ fixed: Boolean(kept) });
-    addEventListener("pagehide", () => { if (this.aside || (this.known.history && History.unsaved(this.known.history))) this.keepNow(); });
+    addEventListener("pagehide", () => { if (this.aside || (this.known.history && History.hasUnsavedEdits(this.known.history))) this.keepNow(); });
     addEventListener("beforeunload", (e) => { if (this.losing()) e.preventDefault(); });
     this.link.open();
   }
 
-  private connected(connection: Connection): void {
+  private connected(connection: ConnectionState): void {
     this.sent = this.next = null;
     this.commits = [];
     this.set({ connection, jobs: {}, parcel: null, freezing: false });
     if (connection === "open") {
-      const lang = remembered("cardan-lang") ?? navigator.language.slice(0, 2);
+      const lang = readPreference("cardan-lang") ?? navigator.language.slice(0, 2);
       this.link?.say({ type: "hello", lang, was: this.who });
     }
   }
@@ -155,16 +157,16 @@ export class Store {
   /** As whom this page keeps what is not saved, apart from other pages. */
   private who = "";
 
-  private told(m: Told): void {
+  private told(m: ServerMessage): void {
     // What is told of a file that was left meanwhile is not of this one.
     if ((m.type === "saved" || m.type === "disk" || m.type === "beside" || m.type === "frozen") && m.file !== this.known.file) return;
     switch (m.type) {
       case "welcome":
-        learn(m.texts);
-        speak(m.lang);
+        setTexts(m.texts);
+        setNumberLanguage(m.lang);
         this.who = m.who;
         document.documentElement.lang = m.lang === "pt" ? "pt-BR" : m.lang;
-        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files.map(plain) });
+        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files.map(showHiddenMarks) });
         if (this.known.file !== null) this.rejoin(this.known.file);
         else if (m.files.length === 1) this.open(0);
         break;
@@ -178,10 +180,12 @@ export class Store {
       case "full":
         if (m.id === this.latest && m.verdict) {
           const [full, first] = [m as Full, this.known.full === null];
-          this.set({ full, settled: true, order: this.sorted(full) });
+          this.set({ full, settled: true, unfinished: "", order: this.sorted(full) });
           // What stands first in the verdict is shown, unless something has been chosen meanwhile.
           const [row] = this.rows();
           if (first && row?.values && !this.gesture && Object.keys(this.known.asked).length === 0) this.go(row, worstState(row));
+        } else if (m.id === this.latest) {
+          this.set({ unfinished: m.fault === undefined ? (m.problems?.[0]?.message ?? "?") : faulty(m.fault) });
         }
         break;
       case "helped":
@@ -189,7 +193,7 @@ export class Store {
         break;
       case "saved": {
         const history = this.known.history;
-        if (history) this.set({ history: History.written(history, m.text, m.mark), notice: null });
+        if (history) this.set({ history: History.withSavedText(history, m.text, m.mark), notice: null });
         break;
       }
       case "kept":
@@ -216,7 +220,7 @@ export class Store {
         this.set({ revisions: m.revisions, freezing: false });
         break;
       case "files":
-        this.set({ files: m.files.map(plain), view: "line" });
+        this.set({ files: m.files.map(showHiddenMarks), view: "line" });
         break;
       case "part":
         this.worked(m.job, m.id, { part: { ...(this.known.jobs[m.job]?.part as object | null), ...m.part } });
@@ -336,26 +340,26 @@ export class Store {
   /** What an editor has not told yet goes with it: it is asked for first. */
   show(view: View): void { this.pending?.(); this.set({ view }); }
 
-  private opened(m: Extract<Told, { type: "opened" }>): void {
+  private opened(m: Extract<ServerMessage, { type: "opened" }>): void {
     const mine = this.known.history;
     this.safe = m.draft;
     if (mine && this.rejoining) {
       // The server was away: what is on the page is newer than any draft.
       this.rejoining = false;
-      const { now, conflict } = History.onDisk(mine, m.saved, m.mark);
+      const { now, conflict } = History.mergeDiskText(mine, m.saved, m.mark);
       this.set({ history: now, notice: conflict ? { kind: "conflict", text: m.saved, mark: m.mark } : this.known.notice });
       this.ask({ text: now.text });
-      if (History.unsaved(now)) this.keep(); // what was typed meanwhile
+      if (History.hasUnsavedEdits(now)) this.keep(); // what was typed meanwhile
       return;
     }
     // Nothing that was under way is of this document.
     this.sent = this.next = this.gesture = null;
     this.commits = [];
     // What was edited from another text is still that: it is not saved over this one unasked.
-    const history = History.opened(m.saved, m.stale ? m.base : m.mark, m.draft);
+    const history = History.newHistory(m.saved, m.stale ? m.base : m.mark, m.draft);
     const restored: Notice = m.stale ? { kind: "conflict", text: m.saved, mark: m.mark } : { kind: m.elsewhere ? "elsewhere" : "restored", left: m.left };
     this.set({
-      file: m.file, history, notice: m.draft === null ? null : restored, live: null, campaign: null, full: null, settled: false, pose: null, asked: {}, problems: [], helps: null, selected: null, order: [], held: null, behind: null,
+      file: m.file, history, notice: m.draft === null ? null : restored, live: null, campaign: null, full: null, settled: false, unfinished: "", pose: null, asked: {}, problems: [], helps: null, selected: null, order: [], held: null, behind: null,
       jobs: Object.fromEntries(Object.entries(this.known.jobs).filter(([job]) => job === "recording" || job === "life")),
       variants: m.variants, revisions: m.revisions,
     });
@@ -373,7 +377,7 @@ export class Store {
     this.pending?.();
     const history = this.known.history;
     if (!history) return;
-    const found = History.onDisk(history, text, mark);
+    const found = History.mergeDiskText(history, text, mark);
     if (found.conflict || (conflict && text !== history.text)) {
       this.set({ notice: { kind: "conflict", text, mark } });
       this.keep(); // who saved it, in another tab, threw the draft away
@@ -387,7 +391,12 @@ export class Store {
 
   // ------------------------------------------------------------------ questions
 
-  private ask(question: Question, how: { commit?: boolean; since?: number } = {}): void {
+  /** Compute the verdict of what is shown again, after it ended without one. */
+  evaluateAgain(): void {
+    if (this.known.history) this.ask({ text: this.known.history.text });
+  }
+
+  private ask(question: EvaluationRequest, how: { commit?: boolean; since?: number } = {}): void {
     this.put({ kind: "ask", question: { pose: this.known.asked, ...question }, commit: how.commit ?? false, since: how.since ?? performance.now() });
   }
 
@@ -408,13 +417,13 @@ export class Store {
       this.latest = this.ids;
       if (question.held) this.moves.set(this.ids, since);
       else this.moves.clear();
-      if (this.known.settled || this.known.helping) this.set({ settled: false, helping: false });
+      if (this.known.settled || this.known.helping || this.known.unfinished) this.set({ settled: false, helping: false, unfinished: "" });
     }
     this.link?.say({ type: kind, id: this.ids, ...question });
   }
 
   /** Where a hand has the line; what its limits make of that comes by itself. */
-  private moved(m: Extract<Told, { type: "moved" }>): void {
+  private moved(m: Extract<ServerMessage, { type: "moved" }>): void {
     const { live, pose } = this.known;
     if (!live) return;
     const lines = live.lines.map((l) => ({ ...l, ...m.lines?.find((o) => o.name === l.name) }));
@@ -424,7 +433,7 @@ export class Store {
   /** When each move that a hand is making was made, by its question; none once it has let go. */
   private moves = new Map<number, number>();
 
-  private graded(m: Extract<Told, { type: "graded" }>): void {
+  private graded(m: Extract<ServerMessage, { type: "graded" }>): void {
     const [{ live }, since] = [this.known, this.moves.get(m.id)];
     if (!live || since === undefined || !m.limits) return;
     const found = new Map(m.limits.map((r) => [r.id, r]));
@@ -434,7 +443,7 @@ export class Store {
     painted(since);
   }
 
-  private answered(m: Extract<Told, { type: "live" | "moved" | "posed" }>): void {
+  private answered(m: Extract<ServerMessage, { type: "live" | "moved" | "posed" }>): void {
     const sent = this.sent;
     if (!sent || sent.id !== m.id) return;
     if (m.type === "posed") {
@@ -449,7 +458,7 @@ export class Store {
     } else if (m.type === "live" && m.fault === undefined && (m.lines || m.campaign)) {
       this.took(m, sent);
     }
-    if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: faulty(m.fault) } });
+    if (m.fault !== undefined) this.set({ notice: { kind: "refused", why: faulty(m.fault) }, ...(sent.id === this.latest ? { unfinished: faulty(m.fault) } : {}) });
     if (!sent.shown) painted(sent.since, m.type === "moved" ? "cardan:moved" : undefined);
     this.onward();
   }
@@ -463,12 +472,12 @@ export class Store {
     if (next) this.send(next);
   }
 
-  private took(m: Extract<Told, { type: "live" }>, sent: Sent): void {
-    const change: Partial<Known> = { live: m.campaign ? null : (m as Live), campaign: m.campaign ?? null, problems: [] };
+  private took(m: Extract<ServerMessage, { type: "live" }>, sent: Sent): void {
+    const change: Partial<AppState> = { live: m.campaign ? null : (m as Live), campaign: m.campaign ?? null, problems: [] };
     if (m.handles) change.handles = m.handles;
     if (m.pose) change.pose = m.pose;
     if (sent.commit && this.known.history && m.text !== undefined) {
-      change.history = History.edited(this.known.history, m.text);
+      change.history = History.withEdit(this.known.history, m.text);
       change.helps = null;
       if (this.known.notice?.kind === "refused") change.notice = null; // of what was tried before
     }
@@ -488,7 +497,7 @@ export class Store {
     const problems = this.known.problems;
     if (!history) return;
     const [first] = problems;
-    if (first) this.set({ notice: { kind: "refused", why: placed(first) } });
+    if (first) this.set({ notice: { kind: "refused", why: problemText(first) } });
     this.ask({ text: history.text });
   }
 
@@ -550,18 +559,18 @@ export class Store {
 
   private leaving: number | null = null;
 
-  private now(history: History.History): void {
+  private now(history: History.EditHistory): void {
     if (history === this.known.history) return;
     this.shown(history);
     this.keep();
   }
 
-  private shown(history: History.History): void {
+  private shown(history: History.EditHistory): void {
     this.set({ history, helps: null });
     this.ask({ text: history.text });
   }
 
-  type(text: string, merge: boolean): void { if (this.known.history) this.now(History.edited(this.known.history, text, merge)); }
+  type(text: string, merge: boolean): void { if (this.known.history) this.now(History.withEdit(this.known.history, text, merge)); }
 
   undo(): void {
     this.pending?.();
@@ -569,14 +578,14 @@ export class Store {
     if (!history) return;
     // The last change may not be made yet: then it is not made at all.
     if (this.commits.pop()) return;
-    if (!this.sent?.commit) return this.now(History.undone(history));
+    if (!this.sent?.commit) return this.now(History.undo(history));
     this.sent.commit = false;
     this.ask({ text: history.text });
   }
 
   redo(): void {
     this.pending?.();
-    if (this.known.history) this.now(History.redone(this.known.history));
+    if (this.known.history) this.now(History.redo(this.known.history));
   }
 
   save(): void {
@@ -591,13 +600,13 @@ export class Store {
   settle(disk: boolean): void {
     const { notice, history } = this.known;
     if (notice?.kind !== "conflict" || !history) return;
-    const known = History.written(history, notice.text, notice.mark);
+    const known = History.withSavedText(history, notice.text, notice.mark);
     this.set({ notice: null });
     if (disk) {
       // Mine stays kept until there is another, or the file is left: undo brings it back till then.
       clearTimeout(this.keeping);
       [this.keeping, this.aside] = [undefined, true];
-      this.shown(History.edited(known, notice.text));
+      this.shown(History.withEdit(known, notice.text));
     }
     else this.set({ history: known });
     if (!disk) this.save();
@@ -620,7 +629,7 @@ export class Store {
   private losing(): boolean {
     this.pending?.();
     const { history, connection } = this.known;
-    return (connection !== "open" || this.unkept) && history !== null && History.unsaved(history) && history.text !== this.safe;
+    return (connection !== "open" || this.unkept) && history !== null && History.hasUnsavedEdits(history) && history.text !== this.safe;
   }
 
   private keepNow(): void {
@@ -631,14 +640,14 @@ export class Store {
     if (!history || file === null) return;
     const { text, mark } = history;
     this.keptLast = text;
-    this.link?.say(History.unsaved(history) ? { type: "keep", file, text, mark } : { type: "drop", file });
+    this.link?.say(History.hasUnsavedEdits(history) ? { type: "keep", file, text, mark } : { type: "drop", file });
   }
 
   dismiss(): void { this.set({ notice: null }); }
 
   // ------------------------------------------------------------------ what is looked at
 
-  pose(asked: PoseAsked): void {
+  pose(asked: PoseRequest): void {
     const { asked: was, history } = this.known;
     const since = performance.now();
     const shown = asked.travel_mm === undefined && asked.torque_Nm === undefined;
@@ -663,7 +672,7 @@ export class Store {
     if (history && held === null) this.put({ kind: "pose", question: { text: history.text, pose: asked }, commit: false, since: 0, shown: true });
   }
 
-  look(selected: Selected | null): void {
+  look(selected: SelectedCell | null): void {
     this.set({ selected });
     const row = selected && this.rows().find((r) => r.id === selected.row);
     // Where it is worst: in its state, and under the torque that winds the axle up there.
@@ -682,12 +691,12 @@ export class Store {
   }
 
   speak(lang: string): void {
-    remember("cardan-lang", lang);
+    writePreference("cardan-lang", lang);
     this.link?.say({ type: "hello", lang });
   }
 
-  theme(theme: Known["theme"]): void {
-    remember("cardan-theme", theme);
+  theme(theme: AppState["theme"]): void {
+    writePreference("cardan-theme", theme);
     if (theme === "auto") delete document.documentElement.dataset.theme;
     else document.documentElement.dataset.theme = theme;
     this.set({ theme });
@@ -714,7 +723,7 @@ export class Store {
     if (!live) return order;
     const rows = [...live.limits, ...full.limits];
     if (order.length === rows.length && rows.every((r) => order.includes(r.id))) return order;
-    return rows.map((r) => ({ id: r.id, worst: worst(r) })).sort((a, b) => a.worst - b.worst).map((r) => r.id);
+    return rows.map((r) => ({ id: r.id, worst: worstRank(r) })).sort((a, b) => a.worst - b.worst).map((r) => r.id);
   }
 
   resort(): void {
@@ -723,11 +732,11 @@ export class Store {
   }
 }
 
-export const placed = (p: Problem): string => [p.key, p.message].filter(Boolean).join(": ");
+export const problemText = (p: Problem): string => [p.key, p.message].filter(Boolean).join(": ");
 
 /** Why nobody answered, in words. */
 const faulty = (of: string): string =>
-  ({ cancelled: t("stopped"), "too slow": t("it took too long, and was given up: ask for less, or run its command in a shell"), "too many": t("too much is asked at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("who was asked has ended: ask again"), "too much work": t("it has used half an hour of processors, as much as an answer may: ask for less, or run its command in a shell"), MemoryError: t("it needs more memory than it may have: ask for less") })[of] ?? of;
+  ({ cancelled: t("stopped"), "too slow": t("it took too long, and was stopped: request less, or run its command in a shell"), "too many": t("too many requests at once: wait, or stop something"), "is no longer there": t("The file is gone from the disk: Save writes it again."), ended: t("the process has ended: start it again"), "too much work": t("it has used half an hour of processor time, the most allowed: request less, or run its command in a shell"), MemoryError: t("it needs more memory than allowed: request less") })[of] ?? of;
 
 const VARIANTS = 12;
 
@@ -746,7 +755,7 @@ const worstIn = (row: Row): number[] => row.grades.map((_, s) => rank(row, s, wo
 
 export const worstState = (row: Row): number => Math.max(0, least(worstIn(row)));
 
-export const worst = (row: Row): number => Math.min(...worstIn(row));
+export const worstRank = (row: Row): number => Math.min(...worstIn(row));
 
 /** A pose with what of the one before was not told again: its curves. */
 function posed(was: Pose | null, now: Pose): Pose {

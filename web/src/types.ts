@@ -11,7 +11,7 @@ export interface Welcome { version: string; lang: string; languages: string[]; q
 
 export type Revision = Named & { said: string };
 
-export type Told =
+export type ServerMessage =
   | ({ type: "welcome"; token: string; who: string; longest: number; texts: Record<string, string> } & Welcome)
   | { type: "files"; files: string[] }
   | { type: "frozen"; file: number; revisions: Revision[] }
@@ -31,10 +31,10 @@ export type Told =
   | { type: "beside"; file: number }
   | { type: "refused"; what: string; file: number; why: string };
 
-export interface Said { type: string; id?: number; job?: string; file?: number; held?: boolean; [more: string]: unknown }
+export interface ClientMessage { type: string; id?: number; job?: string; file?: number; held?: boolean; [more: string]: unknown }
 
 export interface Drag { kind: Kind; number: number; line: string; by_mm: Point }
 
-export interface PoseAsked { line?: number; state?: number; travel_mm?: number; torque_Nm?: number; way?: Way }
+export interface PoseRequest { line?: number; state?: number; travel_mm?: number; torque_Nm?: number; way?: Way }
 
-export interface Question { text: string; drag?: Drag; edits?: Edits; held?: boolean; pose?: PoseAsked; want?: ("curves" | "turn")[] }
+export interface EvaluationRequest { text: string; drag?: Drag; edits?: Edits; held?: boolean; pose?: PoseRequest; want?: ("curves" | "turn")[] }

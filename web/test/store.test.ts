@@ -80,6 +80,22 @@ beforeEach(async () => {
   socket.said = [];
 });
 
+describe("a verdict that ends without the bearing forces", () => {
+  it.each(["live", "full"])("is said to be unfinished after %s, until it is asked for again", (type) => {
+    store.evaluateAgain();
+    const [first] = socket.asked();
+    if (type === "full") socket.answer();
+    expect(store.known.unfinished).toBe("");
+    socket.tell({ type, id: first?.id, fault: "too slow" });
+    expect(store.known).toMatchObject({ settled: false, unfinished: expect.stringContaining("took too long") as string });
+    store.evaluateAgain();
+    socket.answer();
+    expect(store.known).toMatchObject({ settled: false, unfinished: "" });
+    socket.tell({ type: "full", id: socket.asked().at(-1)?.id, verdict: "pass", rows: [], limits: [] });
+    expect(store.known).toMatchObject({ settled: true, unfinished: "" });
+  });
+});
+
 describe("a hand that moves", () => {
   it("has one question under way, and asks the latest next", () => {
     for (let z = 1; z <= 20; z++) store.hold("h", by(z));

@@ -5,29 +5,29 @@ from pathlib import Path
 import click
 
 from cardan.cli.common import (
-    FILE,
-    JSON,
-    LANG,
-    LIMITS,
-    OUTSIDE,
-    UNTOLD,
-    claim,
-    of,
-    progress,
-    put_lines,
-    read,
-    screen,
+    FILE_ARGUMENT,
+    JSON_OPTION,
+    QUIET_OPTION,
+    add_file_position_to_errors,
+    echo_lines,
+    limits_and_language_options,
+    progress_line,
+    read_application,
+    terminal_width,
+    validate_output_paths,
     write_json,
 )
-from cardan.cli.ending import Once, kindly, leave
+from cardan.cli.exit_codes import (
+    NoRepeatedOptionCommand,
+    exit_with_code_2_on_known_errors,
+    exit_with_verdicts,
+)
 
 
-@click.command(cls=Once)
-@FILE
-@JSON
-@LIMITS
-@OUTSIDE
-@LANG
+@click.command(cls=NoRepeatedOptionCommand)
+@FILE_ARGUMENT
+@JSON_OPTION
+@limits_and_language_options
 @click.option("--line", help="Which line; by default the one with the worst check.")
 @click.option("--hold", multiple=True, metavar="WHAT", help="Leave in place, as in the file.")
 @click.option(
@@ -38,11 +38,12 @@ from cardan.cli.ending import Once, kindly, leave
     type=click.IntRange(0),
     default=0,
     metavar="N",
-    help="Ask N trucks of each proposal, each by itself; by default their margins are taken "
+    help="Compute N trucks of each proposal, each by itself; by default their margins are taken "
     "from slopes at the setting.",
 )
-@UNTOLD
-@kindly
+@click.option("--all", "every", is_flag=True, help="All numbers of each proposal.")
+@QUIET_OPTION
+@exit_with_code_2_on_known_errors
 def fix(
     file: Path,
     *,
@@ -54,36 +55,46 @@ def fix(
     hold: tuple[str, ...],
     count: int,
     draws: int,
+    every: bool,
     quiet: bool,
 ) -> None:
     """Propose what to change, over all states at once.
 
-    Moves centre bearings, the axle's shim and yoke phases within what the file's `adjust`
-    allows, in the steps of a workshop, and ranks by the verdict, by how many trucks keep it as
-    they scatter, and by cost. --hold bearing_height, or --hold "phase 2", leaves that where it
-    is. Exit code 0 where a check of the file changed as the first proposal says would end so,
-    else 1; where there is no proposal, as a check of the file.
+    Prints one screen; --all prints all of each proposal. Moves centre bearings, the axle's shim
+    and yoke phases within what the file's `adjust` allows, in the steps of a workshop, and ranks
+    by the verdict, by how many trucks keep it as they scatter, and by cost. --hold
+    bearing_height, or --hold "phase 2", leaves that where it is. Exit code 0 where a check of
+    the file changed as the first proposal says would end so, else 1; where there is no proposal,
+    as a check of the file.
     """
-    from cardan.report import terminal
-    from cardan.report.language import Language
-    from cardan.report.screen import folded
-    from cardan.study.approval import approve
-    from cardan.study.fix import fix as search
-    from cardan.study.sensitivity import sensitivities
+    from cardan.approval.approval import approve_application
+    from cardan.documents.corrections_screen import correction_screen_lines
+    from cardan.render.i18n import Translator
+    from cardan.render.text_layout import fold_lines
+    from cardan.topics.design.corrections import find_corrections as search
+    from cardan.topics.design.presentation import correction_lines
+    from cardan.topics.design.sensitivity import check_sensitivities
 
-    say = Language(lang)
-    outputs = claim(file, limits, json_out=json_out)
-    application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
-    with of(file, application), progress(say("looking for corrections"), quiet=quiet) as tell:
+    say = Translator(lang)
+    outputs = validate_output_paths(file, limits, json_out=json_out)
+    application = read_application(file, limits, allow_outside=allow_outside, outputs=outputs)
+    with (
+        add_file_position_to_errors(file, application),
+        progress_line(say("looking for corrections"), quiet=quiet) as tell,
+    ):
         found = search(application, line=line, hold=hold, count=count, draws=draws, tell=tell)
     if json_out is not None:
-        from cardan.report import contract
+        from cardan.topics.design.corrections_json_presentation import corrections_json
 
-        write_json(contract.proposals(found), json_out)
-    installed = found[0].installed if found else approve(application)
+        write_json(corrections_json(found), json_out)
+    installed = found[0].installed_approval if found else approve_application(application)
     if json_out != "-":
-        helps = () if found or hold else sensitivities(installed, line=line)
-        several = len(installed.responses) > 1
-        shown = terminal.proposals(found, say, helps=helps, several=several)
-        put_lines(folded(shown, screen()))
-    leave((found[0].approval if found else installed).verdict)
+        helps = () if found or hold else check_sensitivities(installed, line=line)
+        wide = terminal_width()
+        if every:
+            several = len(installed.line_responses) > 1
+            shown = correction_lines(found, say, helps=helps, several=several)
+            echo_lines(fold_lines(shown, wide))
+        else:
+            echo_lines(correction_screen_lines(found, installed, helps=helps, say=say, width=wide))
+    exit_with_verdicts((found[0].approval if found else installed).verdict)

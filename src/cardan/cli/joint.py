@@ -1,58 +1,46 @@
 """`cardan joint`: one universal joint by itself."""
 
-from pathlib import Path
-from typing import Any
-
 import click
 
-from cardan.base.errors import DesignError
-from cardan.base.units import UNITS
-from cardan.cli.common import JSON, LANG, OUT, claim, publish, put_lines, screen, write_json
-from cardan.cli.ending import Once, kindly
+from cardan.cli.common import (
+    JSON_OPTION,
+    LANG_OPTION,
+    ReportPaths,
+    echo_lines,
+    report_options,
+    terminal_width,
+    validate_output_paths,
+    write_json,
+    write_report,
+)
+from cardan.cli.exit_codes import NoRepeatedOptionCommand, exit_with_code_2_on_known_errors
+from cardan.cli.quantity import QuantityParam
 
 
-class Measure(click.ParamType[float]):
-    """A number with its unit, the first of these where none is written."""
-
-    name = "number"
-
-    def __init__(self, *units: str) -> None:
-        self.units = {unit: UNITS[unit] for unit in units}
-
-    def convert(self, value: Any, param: Any, ctx: Any) -> float:
-        """Return the number, SI."""
-        from cardan.border.byhand import measure
-
-        try:
-            return measure(str(value), self.units)
-        except DesignError as error:
-            self.fail(str(error), param, ctx)
-
-
-@click.command(cls=Once)
+@click.command(cls=NoRepeatedOptionCommand)
 @click.option(
     "--angle",
     required=True,
-    type=Measure("deg", "rad"),
+    type=QuantityParam("deg", "rad"),
     metavar="ANGLE",
     help="Between the shafts: 4.5deg, 4deg30min, 4°30', 0.08rad.",
 )
 @click.option(
     "--speed",
     required=True,
-    type=Measure("rpm", "rad_s"),
+    type=QuantityParam("rpm", "rad_s"),
     metavar="SPEED",
     help="Of the driving shaft: 3600rpm, 377rad/s.",
 )
 @click.option(
     "--torque",
-    type=Measure("Nm", "kNm", "lbft"),
+    type=QuantityParam("Nm", "kNm", "lbft"),
     metavar="TORQUE",
     help="In the driving shaft: 1000Nm, 1.2kNm. Adds secondary couples.",
 )
 @click.option(
     "--across",
-    type=Measure("mm", "m", "in"),
+    type=QuantityParam("mm", "m", "in"),
     metavar="LENGTH",
     help="Between opposite needle rows: 80mm, 3 1/8in. Adds the journals' force.",
 )
@@ -63,11 +51,10 @@ class Measure(click.ParamType[float]):
     show_default=True,
     help="Where the driving pin axis stands at θ = 0, to the plane of the shafts.",
 )
-@JSON
-@click.option("--html", metavar="OUT", type=OUT, help="A page with the curves.")
-@click.option("--pdf", metavar="OUT", type=OUT, help="A document with the curves.")
-@LANG
-@kindly
+@JSON_OPTION
+@report_options
+@LANG_OPTION
+@exit_with_code_2_on_known_errors
 def joint(
     *,
     angle: float,
@@ -76,28 +63,27 @@ def joint(
     across: float | None,
     pin: str,
     json_out: str | None,
-    html: Path | None,
-    pdf: Path | None,
+    reports: ReportPaths,
     lang: str,
 ) -> None:
     """Say what one universal joint does: position, speed, acceleration, motion of its cross.
 
     No file is needed. Massless and rigid, its driving shaft turning uniformly.
     """
-    from cardan.kinematics.joint import IN_PLANE, NORMAL
-    from cardan.report import one_joint
-    from cardan.report.language import Language
-    from cardan.study.one_joint import OneJoint
+    from cardan.physics.kinematics.hooke_joint import PIN_IN_PLANE, PIN_NORMAL_TO_PLANE
+    from cardan.render.i18n import Translator
+    from cardan.topics.joint import presentation as one_joint
+    from cardan.topics.joint.single_joint import SingleJoint
 
-    say = Language(lang)
-    claim(json_out=json_out, html=html, pdf=pdf)
-    found = OneJoint(
+    say = Translator(lang)
+    validate_output_paths(json_out=json_out, **reports)
+    found = SingleJoint(
         angle=angle, speed=speed, torque=torque, across=across,
-        pin=IN_PLANE if pin == "plane" else NORMAL,
+        pin=PIN_IN_PLANE if pin == "plane" else PIN_NORMAL_TO_PLANE,
     )  # fmt: skip
     if json_out is not None:
-        write_json(one_joint.document(found), json_out)
-    if html or pdf:
-        publish(one_joint.story(found, say), say=say, html=html, pdf=pdf, quiet=True)
+        write_json(one_joint.json_document(found), json_out)
+    if reports:
+        write_report(one_joint.joint_report(found, say), reports, say=say, quiet=True)
     if json_out != "-":
-        put_lines(one_joint.terminal(found, say, width=screen()))
+        echo_lines(one_joint.text_lines(found, say, width=terminal_width()))

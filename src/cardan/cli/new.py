@@ -1,26 +1,204 @@
 """`cardan new`: a file to start from."""
 
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import click
+from click.core import ParameterSource
 
-from cardan.cli.common import Kinds, put, write
-from cardan.cli.ending import Once, kindly
+from cardan.cli.common import (
+    CAMPAIGN_KIND,
+    ExampleChoice,
+    TemplateChoice,
+    echo,
+    progress_line,
+    write_output,
+)
+from cardan.cli.exit_codes import (
+    NoRepeatedOptionCommand,
+    exit_with_code_2_on_known_errors,
+    raise_command_error,
+)
+from cardan.cli.quantity import QuantityParam
 
 
-@click.command(cls=Once)
+@click.command(cls=NoRepeatedOptionCommand)
 @click.argument("file", type=click.Path(path_type=Path))
-@click.option("--kind", type=Kinds(), default="truck", show_default=True,
+@click.option("--kind", type=TemplateChoice(), default="truck", show_default=True,
               help="What it is about.")  # fmt: skip
+@click.option("--example", type=ExampleChoice(), metavar="NAME",
+              help="A worked example instead: a whole vehicle, or the folder of a case with its "
+              "bracket and recordings.")  # fmt: skip
+@click.option("--wheelbase-from", type=QuantityParam("mm", "m", "in"), metavar="LENGTH",
+              help="Write two files: of this wheelbase and of that of --wheelbase-to.")  # fmt: skip
+@click.option("--wheelbase-to", type=QuantityParam("mm", "m", "in"), metavar="LENGTH",
+              help="Wheelbase after the change; the last shaft takes it up.")  # fmt: skip
+@click.option("--of", "own", type=click.Path(exists=True, dir_okay=False, path_type=Path),
+              metavar="APPLICATION",
+              help="Change the wheelbase of this application in place of a starter's.")  # fmt: skip
 @click.option("--force", is_flag=True, help="Replace the file.")
-@kindly
-def new(file: Path, *, kind: str, force: bool) -> None:
+@exit_with_code_2_on_known_errors
+def new(
+    file: Path,
+    *,
+    kind: str,
+    example: str | None,
+    wheelbase_from: float | None,
+    wheelbase_to: float | None,
+    own: Path | None,
+    force: bool,
+) -> None:
     """Write a commented FILE to start from.
 
-    A `small` one holds what a protractor measures under the truck; `truck`, `6x4` and `bus` a whole
+    A `small` one holds what a body builder knows of a line; `truck`, `6x4` and `bus` a whole
     vehicle, with one line, with two, with three shafts; `industrial` a machine on its foundation.
-    """
-    from cardan import files
 
-    write(file, files.starter(kind), replace=force)
-    put(f"{file} is written; `cardan check {file}` assesses it.")
+    With `--kind campaign` FILE is a recording: its campaign is written next to it, with its name
+    and .yaml.
+
+    With two wheelbases it writes FILE-3600.yaml and FILE-4500.yaml: the application before and
+    after the change, for `cardan check` to hold side by side.
+    """
+    from cardan.application import templates
+
+    if (wheelbase_from is None) != (wheelbase_to is None):
+        raise_command_error("--wheelbase-from and --wheelbase-to are given together")
+    if example is not None:
+        told = click.get_current_context().get_parameter_source("kind")
+        if told is not ParameterSource.DEFAULT:
+            raise_command_error("--kind is a starter, --example a worked example: give one of them")
+        if wheelbase_from is not None or own is not None:
+            raise_command_error("--example is written as it is: change its wheelbase with --of")
+        _write_example(example, file, replace=force)
+        return
+    if kind == CAMPAIGN_KIND:
+        if wheelbase_from is not None or own is not None:
+            raise_command_error("a campaign has no wheelbase: leave --wheelbase-from and --of out")
+        _write_campaign(file, replace=force)
+        return
+    if wheelbase_from is not None and wheelbase_to is not None:
+        _write_before_and_after(
+            file, kind, own, from_=wheelbase_from, to=wheelbase_to, replace=force
+        )
+        return
+    if own is not None:
+        raise_command_error("--of changes a wheelbase: give --wheelbase-from and --wheelbase-to")
+    write_output(file, templates.template_text(kind), replace=force)
+    echo(f"{file} is written; `cardan check {file}` assesses it.")
+
+
+def _write_example(name: str, out: Path, *, replace: bool) -> None:
+    """Write a worked example: an application, or the files of a case into a folder."""
+    from cardan.application.templates import example_path
+
+    source = example_path(name)
+    if source.is_file():
+        write_output(out, source.read_bytes(), replace=replace)
+        echo(f"{out} is written; `cardan check {out}` assesses it.")
+        return
+    files = {out / p.name: p for p in sorted(source.iterdir())}
+    if (there := [path for path in files if path.exists()]) and not replace:
+        raise_command_error(f"{there[0]} is there already; --force replaces it")
+    out.mkdir(parents=True, exist_ok=True)
+    for path, from_ in files.items():
+        write_output(path, from_.read_bytes())
+    echo(f"{len(files)} files are written into {out}; {out / 'README.md'} says what to run.")
+
+
+def _write_campaign(recording: Path, *, replace: bool) -> None:
+    """Write a campaign next to its recording."""
+    from cardan.topics.recording.campaign_template_presentation import campaign_template
+    from cardan.topics.recording.recording_overview import survey_recording
+
+    out = recording.with_suffix(".yaml")
+    if recording.suffix.lower() in (".yaml", ".yml"):
+        raise_command_error(
+            f"--kind {CAMPAIGN_KIND} takes a recording, and writes the campaign next to it; got "
+            f"{recording.name}"
+        )
+
+    def content() -> Iterator[bytes]:
+        # Begun behind the look at what is there already: a long recording takes minutes.
+        with progress_line("reading") as line:
+            found = survey_recording(recording, tell=lambda doing, _, __: line.write(doing))
+        yield campaign_template(found).encode()
+
+    write_output(out, content(), replace=replace)
+    echo(f"{out} is written; fill in its strength, and `cardan life {out}` evaluates it.")
+
+
+def _write_before_and_after(
+    file: Path, kind: str, own: Path | None, *, from_: float, to: float, replace: bool
+) -> None:
+    """Write the applications of two wheelbases, and tell what the change asks of the line."""
+    from cardan.application import reader
+    from cardan.application.templates import template_text
+    from cardan.application.wheelbase import text_with_wheelbase
+    from cardan.core.units import mm
+    from cardan.schema.yaml_tree import read_text
+
+    text = template_text(kind) if own is None else read_text(own)
+    _check_wheelbase(own, from_)
+    source: dict[str, Any] = {} if own is None else {"name": str(own), "folder": own.parent}
+    before = text_with_wheelbase(text, wheelbase=from_, from_wheelbase=from_, **source)
+    after = text_with_wheelbase(before, wheelbase=to, from_wheelbase=from_, **source)
+    stem = file.with_suffix("")
+    files = [stem.with_name(f"{stem.name}-{size / mm:.0f}.yaml") for size in (from_, to)]
+    if files[0] == files[1]:
+        raise_command_error("the two wheelbases are the same")
+    for one, content in zip(files, (before, after), strict=True):
+        write_output(one, content, replace=replace)
+    first, second = files
+    echo(f"{first} and {second} are written; `cardan check {first} {second}` compares them.")
+    applications = [
+        reader.loads(content, name=str(one), folder=source.get("folder"))
+        for one, content in zip(files, (before, after), strict=True)
+    ]
+    for line in _advice(*applications, after_file=second):
+        echo(line)
+
+
+def _check_wheelbase(own: Path | None, from_: float) -> None:
+    """Refuse an application whose own wheelbase is another than the one to start from."""
+    from cardan.application import reader
+    from cardan.core.units import mm
+
+    vehicle = None if own is None else reader.read(own).vehicle
+    if vehicle is not None and abs(float(vehicle.wheelbase) - from_) > 0.5 * mm:
+        raise_command_error(
+            f"{own}: vehicle.wheelbase is {float(vehicle.wheelbase) / mm:.6g} mm, "
+            f"--wheelbase-from is {from_ / mm:.6g} mm"
+        )
+
+
+def _advice(before: Any, after: Any, *, after_file: Path) -> Any:
+    """Yield how much longer the last shafts are, and whether a further shaft is needed."""
+    from cardan.application.wheelbase import lengthened_lines
+    from cardan.approval.approval import approve_driveline
+    from cardan.core.units import mm
+
+    for was, now in zip(lengthened_lines(before), lengthened_lines(after), strict=True):
+        last, old = now.line.shafts[-1], was.line.shafts[-1]
+        yield (
+            f"Line {now.line.name}: shaft {len(now.line.shafts)} is {last.length / mm:.0f} mm long "
+            f"in place of {old.length / mm:.0f} mm."
+        )
+        whirls = [
+            c
+            for c in approve_driveline(after).checks
+            if c.quantity == "critical_speed_ratio" and c.line == now.line.name
+        ]
+        worst = max(whirls, key=lambda c: c.value, default=None)
+        if worst is None:
+            yield "Its critical speed is not evaluated: speed_rpm and the tube are not given."
+        elif worst.grade == "fail":
+            yield (
+                f"It turns at {worst.value:.3g} times its critical speed, {worst.bound:.3g} at "
+                "most: it is too long. A further shaft with a centre bearing, or a larger tube, "
+                f"is needed; `cardan size {after_file}` proposes them."
+            )
+    if after.vehicle is not None:
+        yield "Axle loads are those of before: correct vehicle.loads by the new wheelbase."
+    if after.obstacles:
+        yield "Obstacles are where they were: move those that moved with the axle."

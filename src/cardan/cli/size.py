@@ -5,31 +5,31 @@ from pathlib import Path
 import click
 
 from cardan.cli.common import (
-    FILE,
-    JSON,
-    LANG,
-    LIMITS,
-    OUTSIDE,
-    UNTOLD,
-    claim,
-    of,
-    progress,
-    put_lines,
-    read,
+    FILE_ARGUMENT,
+    JSON_OPTION,
+    QUIET_OPTION,
+    add_file_position_to_errors,
+    echo_lines,
+    limits_and_language_options,
+    progress_line,
+    read_application,
+    validate_output_paths,
     write_json,
 )
-from cardan.cli.ending import Once, kindly, leave
+from cardan.cli.exit_codes import (
+    NoRepeatedOptionCommand,
+    exit_with_code_2_on_known_errors,
+    exit_with_verdicts,
+)
 
 
-@click.command(cls=Once)
-@FILE
-@JSON
-@LIMITS
-@OUTSIDE
-@LANG
+@click.command(cls=NoRepeatedOptionCommand)
+@FILE_ARGUMENT
+@JSON_OPTION
+@limits_and_language_options
 @click.option("--line", help="Only this line.")
-@UNTOLD
-@kindly
+@QUIET_OPTION
+@exit_with_code_2_on_known_errors
 def size(
     file: Path,
     *,
@@ -46,17 +46,20 @@ def size(
     bearing that answers what does not pass, and makes nothing else worse; parts are of the
     file's own catalogues and those shipped. Exit code as a check with all of them in place.
     """
-    from cardan.report import sizing as told
-    from cardan.report.language import Language
-    from cardan.study.sizing import sizing
+    from cardan.render.i18n import Translator
+    from cardan.topics.design import sizing_presentation as told
+    from cardan.topics.design.sizing import propose_parts
 
-    say = Language(lang)
-    outputs = claim(file, limits, json_out=json_out)
-    application = read(file, limits, allow_outside=allow_outside, outputs=outputs)
-    with of(file, application), progress(say("trying other parts"), quiet=quiet) as tell:
-        found = sizing(application, line=line, tell=tell)
+    say = Translator(lang)
+    outputs = validate_output_paths(file, limits, json_out=json_out)
+    application = read_application(file, limits, allow_outside=allow_outside, outputs=outputs)
+    with (
+        add_file_position_to_errors(file, application),
+        progress_line(say("trying other parts"), quiet=quiet) as tell,
+    ):
+        found = propose_parts(application, line=line, tell=tell)
     if json_out is not None:
-        write_json(told.document(found), json_out)
+        write_json(told.json_document(found), json_out)
     if json_out != "-":
-        put_lines(told.lines(found, say))
-    leave(found.approval.verdict)
+        echo_lines(told.text_lines(found, say))
+    exit_with_verdicts(found.approval.verdict)

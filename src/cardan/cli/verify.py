@@ -2,27 +2,34 @@
 
 import click
 
-from cardan.cli.common import JSON, claim, put_lines, screen, write_json
-from cardan.cli.ending import Once, kindly
+from cardan.cli.common import (
+    JSON_OPTION,
+    echo_lines,
+    terminal_width,
+    validate_output_paths,
+    write_json,
+)
+from cardan.cli.exit_codes import NoRepeatedOptionCommand, exit_with_code_2_on_known_errors
 
 
-@click.command(cls=Once)
-@JSON
-@kindly
+@click.command(cls=NoRepeatedOptionCommand)
+@JSON_OPTION
+@exit_with_code_2_on_known_errors
 def verify(*, json_out: str | None) -> None:
     """Recompute published cases on this machine and show both numbers.
 
     Exit code 1 where one does not agree to its printed digits.
     """
-    from cardan.report import terminal
-    from cardan.study.published import published
+    from cardan.topics.verification.presentation import (
+        software_benchmark_case_lines,
+        software_benchmark_cases_json,
+    )
+    from cardan.topics.verification.published_cases import benchmark_cases
 
-    claim(json_out=json_out)
-    cases = published()
+    validate_output_paths(json_out=json_out)
+    cases = benchmark_cases()
     if json_out is not None:
-        from cardan.report import contract
-
-        write_json(contract.published(cases), json_out)
+        write_json(software_benchmark_cases_json(cases), json_out)
     if json_out != "-":
-        put_lines(terminal.published(cases, width=screen()))
-    raise SystemExit(0 if all(c.agrees for c in cases) else 1)
+        echo_lines(software_benchmark_case_lines(cases, width=terminal_width()))
+    raise SystemExit(0 if all(c.is_within_tolerance for c in cases) else 1)

@@ -5,24 +5,36 @@ from dataclasses import field
 from pathlib import Path
 from typing import TYPE_CHECKING, get_args
 
-from cardan.base.arrays import ArrayLike
-from cardan.base.errors import DesignError, Place, Problem, failing
-from cardan.base.frozen import dataclass
-from cardan.base.source import Source
-from cardan.base.units import Metre, NewtonMetre, Radian, RadianPerSecond
-from cardan.base.verdict import Limit
+from cardan.core.arrays import ArrayLike
+from cardan.core.errors import (
+    DesignError,
+    FileIssue,
+    SourceLocation,
+    values_of_first_violating_case,
+)
+from cardan.core.lazy_dataclass import dataclass
+from cardan.core.provenance import Source
+from cardan.core.units import Metre, NewtonMetre, Radian, RadianPerSecond
+from cardan.core.verdict import Limit
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
-from cardan.model.turning import Clutch, Converter, DualMassFlywheel, InterAxle, Launch, Wheels
-from cardan.model.variants import Variants
+from cardan.model.powertrain import (
+    Clutch,
+    DualMassFlywheel,
+    InterAxleDifferential,
+    Launch,
+    TorqueConverter,
+    WheelRotors,
+)
+from cardan.model.variants import VariantStudy
 from cardan.model.vehicle import (
     Axle,
-    Drives,
+    DrivenAxles,
     Engine,
     Gearbox,
-    Runs,
     Suspension,
     SuspensionState,
+    TorqueFlowDirection,
     Tyre,
     Vehicle,
 )
@@ -30,21 +42,28 @@ from cardan.model.vehicle import (
 if TYPE_CHECKING:  # few applications have one
     from cardan.model.bracket import Bracket
 
-GIVEN = "given"
+STATE_KIND_WITH_GIVEN_GEOMETRY = "given"
 """The kind of a state whose geometry is given: nothing else says what it is like."""
 
-KIND_GROUPS: dict[str, frozenset[str]] = {
-    "riding": frozenset({"curb", "empty", "gvw", "overload", GIVEN}),
+STATE_KIND_GROUPS: dict[str, frozenset[str]] = {
+    "riding": frozenset({"curb", "empty", "gvw", "overload", STATE_KIND_WITH_GIVEN_GEOMETRY}),
     "stops": frozenset({"full rebound", "rebound", "jounce"}),
     "wound up": frozenset({"windup", "windup brake"}),
 }
 """Kinds of state that go together: the axle under its load, at the end of its travel, turned."""
-RIDING = KIND_GROUPS["riding"]
-STATE_KINDS = (*get_args(SuspensionState), GIVEN)
+STATE_KINDS_AT_LOADED_RIDE_HEIGHT = STATE_KIND_GROUPS["riding"]
+STATE_KINDS = (*get_args(SuspensionState), STATE_KIND_WITH_GIVEN_GEOMETRY)
+
+EXPECTED_STATE_KINDS: dict[str, frozenset[str]] = {
+    "full rebound": frozenset({"full rebound", "rebound"}),
+    "empty": frozenset({"empty", "curb"}),
+    **{kind: frozenset({kind}) for kind in ("gvw", "overload", "jounce", "windup", "windup brake")},
+}
+"""Kinds of state in which an axle on springs is to be checked, and what serves as each."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class State:
+class VehicleState:
     """One state to check every line in.
 
     `kind` says how the suspension places the axle; None leaves the geometry as given.
@@ -65,11 +84,18 @@ class State:
     torque: NewtonMetre | None = None
     speed: RadianPerSecond | None = None
     layouts: dict[str, Layout] | None = None
+    bearing_offsets: Mapping[str, Mapping[int, tuple[Metre, Metre]]] = field(
+        default_factory=dict[str, Mapping[int, tuple[Metre, Metre]]]
+    )
+    """How far the frame has moved centre bearings sideways and up, between gearbox and axle, by
+    line and number from 1: as it sags and twists."""
 
     @property
-    def counts_as(self) -> str:
+    def limit_state_kind(self) -> str:
         """The kind of state that limits know it as: its kind, or what its name says."""
-        return self.kind or (self.name if self.name in STATE_KINDS else GIVEN)
+        return self.kind or (
+            self.name if self.name in STATE_KINDS else STATE_KIND_WITH_GIVEN_GEOMETRY
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,7 +126,7 @@ class DutyPoint:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CyclePoint:
+class DutyPointInSharesOfMaximum:
     """A share of a life, at shares of a line's largest torque and of its top speed."""
 
     share: float
@@ -113,13 +139,13 @@ class DutyCycle:
     """How vehicles of a kind spend their life, whatever their torque and speed."""
 
     name: str
-    says: str
+    description: str
     """A sentence on what such a vehicle does."""
     source: Source
-    points: tuple[CyclePoint, ...]
+    points: tuple[DutyPointInSharesOfMaximum, ...]
 
 
-def cycle_points(
+def duty_cycle_points(
     cycle: DutyCycle, *, torque: NewtonMetre, speed: RadianPerSecond
 ) -> tuple[DutyPoint, ...]:
     """Return what a duty cycle asks of one vehicle.
@@ -141,14 +167,14 @@ def cycle_points(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Adjustable:
+class PermittedAdjustment:
     """Something `fix` may move, and how far: value range around what is installed.
 
-    `what` is a key of `cardan.model.movable.MOVABLES`. `part` counts from 1 (bearing or
+    `what` is a key of `cardan.model.adjustments.ADJUSTMENTS`. `part` counts from 1 (bearing or
     shaft). `hold` keeps it where it is.
     """
 
-    what: str
+    adjustment_key: str
     part: int
     low: float
     high: float
@@ -159,7 +185,7 @@ class Adjustable:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Installed:
+class InstalledLine:
     """A line as installed: its parts, its layout in the reference state, its axle.
 
     The layout runs with the flow of torque: x points along it, z up, y to the right of it.
@@ -176,10 +202,10 @@ class Installed:
     torque_share: float = 1.0
     """What differentials leave it of that; so much of the vehicle's push is of its wheels."""
     speed_ratio: float = 1.0
-    drives: Drives = "rear"
+    drives: DrivenAxles = "rear"
     """Which axles turn behind this line; its pinion sits on one of them, or, where it
     drives all, on a transfer case held by the frame."""
-    runs: Runs | None = None
+    runs: TorqueFlowDirection | None = None
     """Which way torque flows in the vehicle; None: forward to a front axle, else rearward."""
     load_share: float = 1.0
     """Share of their load that is on wheels behind this line: 0.5 between two axles."""
@@ -197,7 +223,7 @@ class Installed:
             )
             raise DesignError(msg)
         share = self.load_share
-        if wrong := failing((share > 0) & (share <= 1), share):
+        if wrong := values_of_first_violating_case((share > 0) & (share <= 1), share):
             msg = (
                 f"load_share of line {self.line.name} must be above 0 and at most 1, got "
                 f"{wrong[0]:g}"
@@ -209,14 +235,14 @@ class Installed:
         """Whether torque flows forward: then the axle's pinion faces rearward."""
         return (self.runs or ("forward" if self.drives == "front" else "rearward")) == "forward"
 
-    def leaves(self, other: "Installed") -> bool:
+    def starts_at_axle_of(self, other: "InstalledLine") -> bool:
         """Whether this line starts at the axle that another ends at."""
         ends = other.output_joint is None and other.drives == self.drives
         return self.output_joint is not None and ends
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Surroundings:
+class GearboxAndAxleRotors:
     """What turns with the lines at both ends, and damps them; None where nobody knows.
 
     Attributes
@@ -241,7 +267,7 @@ class Surroundings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Written:
+class ApplicationSourceText:
     """The text an application was read from, so that it can be read again with other numbers.
 
     Attributes
@@ -268,9 +294,33 @@ class Written:
     allow_outside: bool = False
     changes: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
     numbers: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
-    single: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
-    beside: tuple[Path, ...] = ()
+    fixed_numbers: Mapping[str, ArrayLike] = field(default_factory=dict[str, ArrayLike])
+    referenced_files: tuple[Path, ...] = ()
     application: "Application | None" = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReportIdentification:
+    """What an approval sheet says of whom and what it is for; "" where it is not given.
+
+    Attributes
+    ----------
+    customer, company
+        For whom the report is made, and who makes it.
+    vehicle, drawing, revision
+        The vehicle, the drawing of its driveline, and the revision of that.
+    author, checker, approver
+        Names for the signatures.
+    """
+
+    customer: str = ""
+    company: str = ""
+    vehicle: str = ""
+    drawing: str = ""
+    revision: str = ""
+    author: str = ""
+    checker: str = ""
+    approver: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -278,10 +328,12 @@ class Application:
     """Everything one approval is about."""
 
     title: str
-    lines: tuple[Installed, ...]
-    states: tuple[State, ...]
+    lines: tuple[InstalledLine, ...]
+    states: tuple[VehicleState, ...]
     limits: tuple[Limit, ...]
     profile: str
+    stroke_states: tuple[VehicleState, ...] = ()
+    """States that the suspension goes through, where `states` are some of these alone."""
     torque: NewtonMetre | None = None
     coast_torque: NewtonMetre | None = None
     speed: RadianPerSecond | None = None
@@ -293,39 +345,60 @@ class Application:
     obstacles: tuple[Obstacle, ...] = ()
     duty: tuple[DutyPoint, ...] = ()
     duty_cycle: DutyCycle | None = None
-    """A cycle named in place of `duty`; `cycle_points` makes points of it."""
-    adjustables: tuple[Adjustable, ...] = ()
+    """A cycle named in place of `duty`; `duty_cycle_points` makes points of it."""
+    adjustables: tuple[PermittedAdjustment, ...] = ()
     bracket: "Bracket | None" = None
-    torsion: Surroundings | None = None
+    torsion: GearboxAndAxleRotors | None = None
     clutch: Clutch | None = None
     dual_mass_flywheel: DualMassFlywheel | None = None
-    converter: Converter | None = None
-    inter_axle: InterAxle | None = None
-    wheels: Wheels | None = None
+    converter: TorqueConverter | None = None
+    inter_axle: InterAxleDifferential | None = None
+    wheels: WheelRotors | None = None
     launches: tuple[Launch, ...] = ()
-    variants: Variants | None = None
+    variants: VariantStudy | None = None
     """What a study of the application's variants asks."""
+    report: ReportIdentification = ReportIdentification()
+    """What its reports say of customer, drawing and signatures."""
     electric: bool = False
     """Whether a motor drives: nothing fires, and it turns from standstill on."""
     prime_mover_factor: float = 1.25
     shock_factor: float = 1.0
     include_gravity: bool = False
     include_unbalance: bool = False
-    warnings: tuple[Problem, ...] = ()
+    warnings: tuple[FileIssue, ...] = ()
     """What looked wrong while the file was read, though it could be."""
-    written: Written | None = field(default=None, compare=False, repr=False)
+    written: ApplicationSourceText | None = field(default=None, compare=False, repr=False)
     """The text it was read from; None where it was made otherwise."""
-    origins: Mapping[str, Place] = field(
-        default_factory=dict[str, Place], compare=False, repr=False
+    source_locations: Mapping[str, SourceLocation] = field(
+        default_factory=dict[str, SourceLocation], compare=False, repr=False
     )
     """Where everything stands in the file, by the key its errors print:
     `driveline.shafts[2].tube.wall_mm`."""
 
+    def is_given(self, key: str) -> bool:
+        """Return whether its file gives a key, `tyre.friction`; so is what was made otherwise."""
+        return self.written is None or key in self.source_locations
+
     @property
-    def says_what_turns(self) -> bool:
+    def has_rotor_data(self) -> bool:
         """Whether it says what turns and springs beside its lines, or how it starts from rest."""
         parts = (
             self.torsion, self.clutch, self.dual_mass_flywheel, self.converter, self.inter_axle,
             self.wheels,
         )  # fmt: skip
         return bool(self.launches) or any(part is not None for part in parts)
+
+
+def missing_state_kinds(application: Application) -> tuple[str, ...]:
+    """Return the kinds of state that the limits apply to, and that the application lacks.
+
+    Nothing of a machine or a bare line: no axle of theirs rides on springs.
+    """
+    if application.vehicle is None and application.suspension is None:
+        return ()
+    given = {state.limit_state_kind for state in application.states}
+    kinds = [limit.states for limit in application.limits]
+    asked = frozenset(STATE_KINDS) if None in kinds else frozenset().union(*filter(None, kinds))
+    return tuple(
+        kind for kind, alike in EXPECTED_STATE_KINDS.items() if kind in asked and not alike & given
+    )

@@ -8,21 +8,21 @@ from collections.abc import Mapping
 from dataclasses import field
 from typing import Literal, TypeAlias
 
-from cardan.base.arrays import FloatArray
-from cardan.base.errors import DesignError
-from cardan.base.frozen import dataclass
-from cardan.base.source import ASSUMED, Source
-from cardan.base.units import Kilogram, Metre, MPa, Pascal, deg, mm
-from cardan.model.material import STEEL, Material, Metal
-from cardan.model.seat import LOSS
+from cardan.core.arrays import FloatArray
+from cardan.core.errors import DesignError
+from cardan.core.lazy_dataclass import dataclass
+from cardan.core.provenance import SOURCE_ASSUMED, Source
+from cardan.core.units import Kilogram, Metre, MPa, Pascal, deg, mm
+from cardan.model.bracket_compliance import DEFAULT_BRACKET_LOSS_FACTOR
+from cardan.model.material import STEEL, Material, MetalKind
 
-Vector: TypeAlias = tuple[float, float, float]
+Vector3: TypeAlias = tuple[float, float, float]
 
-Zone: TypeAlias = Literal["sheet", "cut edge", "weld toe", "bolt border"]
+FatigueZone: TypeAlias = Literal["sheet", "cut edge", "weld toe", "bolt border"]
 """Where on a bracket a crack may start: each has an S-N curve, and a stress, of its own."""
-ZONES: tuple[Zone, ...] = ("sheet", "cut edge", "weld toe", "bolt border")
+FATIGUE_ZONES: tuple[FatigueZone, ...] = ("sheet", "cut edge", "weld toe", "bolt border")
 
-Hold: TypeAlias = Literal["sliding", "clamped"]
+FlangeBoundaryCondition: TypeAlias = Literal["sliding", "clamped"]
 """How the frame holds a flange: its washers alone, free to slide; or its whole plane."""
 
 
@@ -105,7 +105,7 @@ class UShape:
             _at_most(part, "fillet", self.fillet, room, "the gusset beyond the bend", times=3)
 
     @property
-    def places(self) -> tuple[Vector, ...]:
+    def bolt_positions(self) -> tuple[Vector3, ...]:
         """Centres of the bolt holes on the mounting plane."""
         r = self.seat_diameter / 2 + self.thickness
         y = r + (self.bend_radius + self.flange) / 2
@@ -158,7 +158,7 @@ class LShape:
                  "the plate's width, for two washers")  # fmt: skip
         if self.gusset:
             _above_zero(part, gusset=self.gusset, gusset_height=self.gusset_height)
-            room = self.brace - self.seat_diameter / 2
+            room = self.gusset_face_offset - self.seat_diameter / 2
             _at_most(part, "gusset", self.gusset, room, "the room between the bore and the bolts")
             room = self.height - t
             _at_most(part, "gusset_height", self.gusset_height, room, "the wall above the bearing")
@@ -166,13 +166,13 @@ class LShape:
             _at_most(part, "fillet", self.fillet, room, "the gusset's end below the plate")
 
     @property
-    def brace(self) -> Metre:
+    def gusset_face_offset(self) -> Metre:
         """Outer face of each gusset, from the middle: clear of the bolts' washers."""
         clear = self.width / 2 - self.bolt_edge - 1.1 * self.bolt_diameter
         return min(self.wall_width / 2, clear)
 
     @property
-    def places(self) -> tuple[Vector, ...]:
+    def bolt_positions(self) -> tuple[Vector3, ...]:
         """Centres of the bolt holes on the mounting plane."""
         y = self.width / 2 - self.bolt_edge
         front = self.thickness / 2 + self.fillet + 1.1 * self.bolt_diameter
@@ -181,11 +181,11 @@ class LShape:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Pick:
+class FaceSelector:
     """Faces of a STEP file: all that carry a name, or the one a point lies on."""
 
     name: str = ""
-    near: Vector | None = None
+    near: Vector3 | None = None
 
     def __post_init__(self) -> None:
         if bool(self.name) == (self.near is not None):
@@ -194,7 +194,7 @@ class Pick:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class StepShape:
+class StepFileShape:
     """A bracket from a STEP file, its axes along the vehicle's.
 
     `centre` is where the bearing's centre lies in the file's coordinates (SI), `seat` and
@@ -203,13 +203,13 @@ class StepShape:
     """
 
     path: str
-    centre: Vector
-    seat: tuple[Pick, ...]
-    bolts: tuple[Pick, ...]
+    centre: Vector3
+    seat: tuple[FaceSelector, ...]
+    bolts: tuple[FaceSelector, ...]
     thickness: Metre
     solid: str = ""
     """Which solid of the file, where it has several."""
-    welded: tuple[Pick, ...] = ()
+    welded: tuple[FaceSelector, ...] = ()
     """Faces that are welded to the frame: held every way, their edges are weld toes."""
 
     def __post_init__(self) -> None:
@@ -222,11 +222,11 @@ class StepShape:
             raise DesignError(msg)
 
 
-Shape: TypeAlias = UShape | LShape | StepShape
+Shape: TypeAlias = UShape | LShape | StepFileShape
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Gauge:
+class BracketStrainGauge:
     """A strain gauge: where its grid's middle is, which way it measures, how long it is.
 
     `point` is in the bracket's frame and is drawn to the nearest surface; `direction` is
@@ -235,8 +235,8 @@ class Gauge:
     """
 
     name: str
-    point: Vector
-    direction: Vector
+    point: Vector3
+    direction: Vector3
     length: Metre = 3 * mm
     off: Metre = 1 * mm
     askew: float = 2 * deg
@@ -249,7 +249,7 @@ class Gauge:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class BracketCase:
+class BracketLoadCase:
     """A load at the bearing's centre, by hand, along the vehicle's axes.
 
     `acceleration` is that of the frame: standing still under gravity is (0, 0, +g). It acts
@@ -258,9 +258,9 @@ class BracketCase:
     """
 
     name: str
-    force: Vector = (0.0, 0.0, 0.0)
-    moment: Vector = (0.0, 0.0, 0.0)
-    acceleration: Vector = (0.0, 0.0, 0.0)
+    force: Vector3 = (0.0, 0.0, 0.0)
+    moment: Vector3 = (0.0, 0.0, 0.0)
+    acceleration: Vector3 = (0.0, 0.0, 0.0)
     state: str = ""
     """The state whose driveline loads it comes on top of; none where it comes alone."""
 
@@ -287,9 +287,9 @@ class BracketRecording:
     read: bool = False
 
 
-Mean: TypeAlias = Literal["goodman", "ratio", "none"]
+MeanStressMethod: TypeAlias = Literal["goodman", "ratio", "none"]
 """How a mean stress counts: by Goodman, by the ratio R of IIW's f(R), or not at all."""
-MEANS: tuple[Mean, ...] = ("goodman", "ratio", "none")
+MEAN_STRESS_METHODS: tuple[MeanStressMethod, ...] = ("goodman", "ratio", "none")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -302,11 +302,11 @@ class FatigueCurve:
     amplitude: Pascal
     cycles: float
     slope: float
-    mean: Mean = "goodman"
+    mean: MeanStressMethod = "goodman"
     name: str = ""
-    metal: Metal | None = None
+    metal: MetalKind | None = None
     """Of what, where a code says so."""
-    source: Source = ASSUMED
+    source: Source = SOURCE_ASSUMED
 
     def __post_init__(self) -> None:
         if not (self.amplitude > 0 and self.cycles > 0 and self.slope >= 1):
@@ -333,7 +333,7 @@ class Bolts:
             raise DesignError(msg)
 
 
-def usual_preload(hole: Metre) -> float:
+def default_bolt_preload(hole: Metre) -> float:
     """Return the force (N) that tightens a bolt of class 8.8 in a hole: 27.3 kN for an M10 in 11.
 
     470 MPa on its stress area, 0.58 d², its thread a tenth smaller than its hole. Source: VDI 2230
@@ -343,7 +343,7 @@ def usual_preload(hole: Metre) -> float:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Search:
+class OptimisationSpace:
     """Sizes to choose from, and the life in s over the duty cycle that is wanted.
 
     `sizes` are those of the shape by name, each a list in m.
@@ -367,13 +367,13 @@ class Bracket:
     line: str = "main"
     bearing: int = 1
     carried_mass: Kilogram = 0.0
-    rubber: Vector | None = None
-    loss: float = LOSS
+    rubber: Vector3 | None = None
+    loss: float = DEFAULT_BRACKET_LOSS_FACTOR
     """Share of its energy that it loses in a radian."""
     loss_assumed: bool = True
     """Whether nobody said so."""
-    gauges: tuple[Gauge, ...] = ()
-    cases: tuple[BracketCase, ...] = ()
+    gauges: tuple[BracketStrainGauge, ...] = ()
+    cases: tuple[BracketLoadCase, ...] = ()
     recordings: tuple[BracketRecording, ...] = ()
     reinforced: Shape | None = None
     element: Metre | None = None
@@ -382,9 +382,11 @@ class Bracket:
     """Degree of the displacements in an element."""
     fatigue: FatigueCurve | None = None
     """What its sheet bears; without one no damage is counted."""
-    details: Mapping[Zone, FatigueCurve] = field(default_factory=dict[Zone, FatigueCurve])
+    details: Mapping[FatigueZone, FatigueCurve] = field(
+        default_factory=dict[FatigueZone, FatigueCurve]
+    )
     """What its cut edges, weld toes and bolt borders bear, where the file says it."""
-    search: Search | None = None
+    search: OptimisationSpace | None = None
     """What `--optimise` may choose."""
     bolts: Bolts | None = None
     """Its flange is in contact with the frame; None where the two ways to be held are all."""
@@ -408,7 +410,7 @@ class Bracket:
         if self.element is not None:
             _above_zero("a bracket", element=self.element)
         if self.bolts and any(
-            isinstance(s, StepShape) and not s.bolts for s in (self.shape, self.reinforced)
+            isinstance(s, StepFileShape) and not s.bolts for s in (self.shape, self.reinforced)
         ):
             msg = (
                 "bolts of a bracket that is only welded: give its step file bolts, or leave them "

@@ -8,8 +8,8 @@ $$\varepsilon_x,\qquad \frac{r}{R}\,\varepsilon_\theta,\qquad \frac{R}{r}\,\gamm
 
 and what the plies' stresses do at them is integrated through the wall, each at its own
 place. What the order of the plies does besides, B and D, decides whether the wall buckles
-(`cardan.shaft.composite`). Sources: Jones, Mechanics of Composite Materials (1999), ch. 2
-and 4; the tube's strains derived.
+(`cardan.physics.strength.composite_tube`). Sources: Jones, Mechanics of Composite Materials (1999),
+ch. 2 and 4; the tube's strains derived.
 """
 
 from dataclasses import replace
@@ -19,11 +19,11 @@ from typing import Any
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray, stacked
-from cardan.base.errors import DesignError, failing, positive
-from cardan.base.frozen import dataclass
-from cardan.base.source import ASSUMED, Source
-from cardan.base.units import GPa, Metre, MPa, Pascal, Radian, deg, mm
+from cardan.core.arrays import ArrayLike, FloatArray, stack_on_last_axis
+from cardan.core.errors import DesignError, require_positive, values_of_first_violating_case
+from cardan.core.lazy_dataclass import dataclass
+from cardan.core.provenance import SOURCE_ASSUMED, Source
+from cardan.core.units import GPa, Metre, MPa, Pascal, Radian, deg, mm
 from cardan.model.material import Material
 
 _GAUSS = np.array([-1.0, 0.0, 1.0]) * sqrt(0.6), np.array([5.0, 8.0, 5.0]) / 18
@@ -59,17 +59,17 @@ class Ply:
     shear_strength: Pascal
     thickness: Metre
     density: float
-    source: Source = ASSUMED
+    source: Source = SOURCE_ASSUMED
 
     def __post_init__(self) -> None:
-        positive(
+        require_positive(
             f"ply {self.name}", along=self.along, across=self.across, shear=self.shear,
             tension_along=self.tension_along, compression_along=self.compression_along,
             tension_across=self.tension_across, compression_across=self.compression_across,
             shear_strength=self.shear_strength, thickness=self.thickness, density=self.density,
         )  # fmt: skip
         most = np.sqrt(self.along / self.across)
-        if wrong := failing(np.abs(self.poisson) < most, most, self.poisson):
+        if wrong := values_of_first_violating_case(np.abs(self.poisson) < most, most, self.poisson):
             msg = (
                 f"Poisson's ratio of ply {self.name} must be below √(E₁/E₂) = {wrong[0]:.3g} "
                 f"in size, or it gives energy away; got {wrong[1]:g}"
@@ -83,11 +83,11 @@ class Ply:
         free = 1 - self.poisson * other
         both = self.poisson * self.across / free
         zero = 0 * both
-        return stacked(
+        return stack_on_last_axis(
             [
-                stacked([self.along / free, both, zero]),
-                stacked([both, self.across / free, zero]),
-                stacked([zero, zero, self.shear]),
+                stack_on_last_axis([self.along / free, both, zero]),
+                stack_on_last_axis([both, self.across / free, zero]),
+                stack_on_last_axis([zero, zero, self.shear]),
             ]
         )  # fmt: skip  symmetric, so rows may stand as columns
 
@@ -106,7 +106,7 @@ GLASS_EPOXY = Ply(
 )  # fmt: skip
 
 
-def metal(material: Material, *, thickness: Metre) -> Ply:
+def metal_ply(material: Material, *, thickness: Metre) -> Ply:
     """Return a metal as a layer of a hybrid tube: alike all round, failing where it yields.
 
     Its shear strength is R_e/√3, so that Tsai and Wu's criterion is von Mises's.
@@ -129,7 +129,7 @@ def metal(material: Material, *, thickness: Metre) -> Ply:
     )  # fmt: skip
 
 
-def strain_turn(angle: ArrayLike) -> FloatArray:
+def strain_rotation(angle: ArrayLike) -> FloatArray:
     """Matrix (..., 3, 3) from strains (εx, εy, γxy) to those of fibres at `angle` (...) rad."""
     angle = np.asarray(angle, dtype=float)
     c, s = np.cos(angle), np.sin(angle)
@@ -142,7 +142,7 @@ def strain_turn(angle: ArrayLike) -> FloatArray:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Layer:
+class OrientedPly:
     """One ply in its place; `angle` is of its fibres to the tube's axis, right-handed."""
 
     ply: Ply
@@ -167,16 +167,16 @@ class CompositeTube:
     """
 
     outer: Metre
-    layers: tuple[Layer, ...]
-    source: Source = ASSUMED
+    layers: tuple[OrientedPly, ...]
+    source: Source = SOURCE_ASSUMED
 
     def __post_init__(self) -> None:
         if not self.layers:
             msg = "a composite tube needs at least one ply"
             raise DesignError(msg)
-        positive("a composite tube", outer=self.outer)
+        require_positive("a composite tube", outer=self.outer)
         most = self.outer / 8
-        if wrong := failing(self.wall <= most, most, self.wall, self.outer):
+        if wrong := values_of_first_violating_case(self.wall <= most, most, self.wall, self.outer):
             msg = (
                 f"the wall of a composite tube of {wrong[2] / mm:g} mm must be at most an eighth "
                 f"of that, {wrong[0] / mm:g} mm: its plies are in plane stress; "
@@ -185,9 +185,9 @@ class CompositeTube:
             raise DesignError(msg)
 
     @classmethod
-    def wound(cls, ply: Ply, angles: Any, *, outer: Metre) -> "CompositeTube":
+    def from_ply_angles(cls, ply: Ply, angles: Any, *, outer: Metre) -> "CompositeTube":
         """Return a tube of one kind of ply at `angles` rad, inside first."""
-        return cls(outer=outer, layers=tuple(Layer(ply=ply, angle=a) for a in angles))
+        return cls(outer=outer, layers=tuple(OrientedPly(ply=ply, angle=a) for a in angles))
 
     def reversed(self) -> "CompositeTube":
         """Return the tube with its plies in the opposite order, outside first."""
@@ -206,7 +206,7 @@ class CompositeTube:
     @cached_property
     def thicknesses(self) -> FloatArray:
         """Thickness (..., plies) m of each layer, inside first."""
-        return stacked(ply.thickness for ply in self.plies)
+        return stack_on_last_axis(ply.thickness for ply in self.plies)
 
     @property
     def wall(self) -> Any:
@@ -227,27 +227,27 @@ class CompositeTube:
     @cached_property
     def stiffnesses(self) -> FloatArray:
         """Stiffness (..., plies, 3, 3) Pa of each ply in the tube's axes: along, hoop, shear."""
-        turned = strain_turn(stacked(self.angles))
+        turned = strain_rotation(stack_on_last_axis(self.angles))
         own = np.stack(np.broadcast_arrays(*(ply.stiffness for ply in self.plies)), axis=-3)
         return np.swapaxes(turned, -1, -2) @ own @ turned
 
     @cached_property
-    def edges(self) -> FloatArray:
+    def ply_boundaries(self) -> FloatArray:
         """Inside and outside of each ply from the middle of the wall, (..., plies, 2) m."""
         outside = np.cumsum(self.thicknesses, axis=-1) - np.asarray(self.wall)[..., None] / 2
         return np.stack([outside - self.thicknesses, outside], axis=-1)
 
-    def through(self) -> tuple[FloatArray, FloatArray]:
+    def integration_points(self) -> tuple[FloatArray, FloatArray]:
         """Places z (..., plies, 3) m in the wall, from its middle, and their weights, m."""
         places, weights = _GAUSS
-        inside, outside = self.edges[..., 0], self.edges[..., 1]
+        inside, outside = self.ply_boundaries[..., 0], self.ply_boundaries[..., 1]
         half = (outside - inside)[..., None] / 2
         return inside[..., None] + half * (1 + places), 2 * half * weights
 
     @property
-    def laminate(self) -> FloatArray:
+    def abd_matrix(self) -> FloatArray:
         """[[A, B], [B, D]] (..., 6, 6): forces and moments per width of strains and bends."""
-        z, weight = self.through()
+        z, weight = self.integration_points()
         powers = z[..., None] ** np.arange(3) * weight[..., None]
         A, B, D = np.einsum("...kgp,...kij->p...ij", powers, self.stiffnesses)
         return np.concatenate(
@@ -255,21 +255,21 @@ class CompositeTube:
         )
 
     @property
-    def membrane(self) -> FloatArray:
+    def membrane_stiffness(self) -> FloatArray:
         """A (..., 3, 3) N/m: forces per width of membrane strains."""
-        return self.laminate[..., :3, :3]
+        return self.abd_matrix[..., :3, :3]
 
     def _uniform(self, powers: tuple[float, float, float]) -> FloatArray:
         """Stiffness (..., 3, 3) N/m of the whole wall where strains go with powers of R/r."""
-        z, weight = self.through()
+        z, weight = self.integration_points()
         share = 1 + z / np.asarray(self.radius)[..., None, None]
-        field = stacked(share**p for p in powers)
+        field = stack_on_last_axis(share**p for p in powers)
         one = np.einsum("...kg,...kgi,...kij,...kgj->...ij", weight * share, field,
                         self.stiffnesses, field)  # fmt: skip
         return np.asarray(one, dtype=float)
 
     @cached_property
-    def held(self) -> FloatArray:
+    def wall_stiffness(self) -> FloatArray:
         """Forces per width of (εx, εθ, γ) at the middle of the wall, (..., 3, 3) N/m.
 
         Each ply at its own radius: the hoop strain of a tube that breathes falls with it,
@@ -280,14 +280,14 @@ class CompositeTube:
     @property
     def moduli(self) -> tuple[Any, Any, Any]:
         """Axial, hoop and shear modulus (...) Pa of the wall: 1/(t a₁₁), 1/(t a₂₂), 1/(t a₆₆)."""
-        a = np.linalg.inv(self.membrane)
+        a = np.linalg.inv(self.membrane_stiffness)
         axial, hoop, shear = (1 / (self.wall * a[..., k, k]) for k in range(3))
         return axial, hoop, shear
 
     @property
     def torsional_stiffness(self) -> Any:
         """G J, (...) N m²: torque over twist per length, free to lengthen and breathe."""
-        return 2 * pi * self.radius**3 / np.linalg.inv(self.held)[..., 2, 2]
+        return 2 * pi * self.radius**3 / np.linalg.inv(self.wall_stiffness)[..., 2, 2]
 
     @property
     def bending_stiffness(self) -> Any:
@@ -311,9 +311,9 @@ class CompositeTube:
 
     def _of_mass(self, power: int) -> Any:
         """∫ ρ R^power dA, each ply at its own radius."""
-        z, weight = self.through()
+        z, weight = self.integration_points()
         R = np.asarray(self.radius)[..., None, None] + z
-        rho = stacked(ply.density for ply in self.plies)[..., None]
+        rho = stack_on_last_axis(ply.density for ply in self.plies)[..., None]
         return 2 * pi * (rho * R ** (power + 1) * weight).sum((-1, -2))
 
     @property

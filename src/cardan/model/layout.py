@@ -6,8 +6,8 @@ x points rearward, y to the vehicle's right, z up. Member 0 is the gearbox outpu
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray, stacked
-from cardan.base.frozen import dataclass
+from cardan.core.arrays import ArrayLike, FloatArray, stack_on_last_axis
+from cardan.core.lazy_dataclass import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -28,7 +28,7 @@ class Layout:
     @property
     def lengths(self) -> FloatArray:
         """Distances between neighbouring joint centres, (..., n-1) m."""
-        return size(np.diff(self.points, axis=-2))
+        return vector_length(np.diff(self.points, axis=-2))
 
     @property
     def side(self) -> FloatArray:
@@ -47,33 +47,33 @@ class Layout:
         return Layout(points=self.points[case], directions=self.directions[case])  # type: ignore[index]
 
 
-def size(vector: FloatArray) -> FloatArray:
+def vector_length(vector: FloatArray) -> FloatArray:
     """Return how long vectors (..., 3) are, (...)."""
     x, y, z = vector[..., 0], vector[..., 1], vector[..., 2]
     return np.sqrt(x * x + y * y + z * z)
 
 
-def unit(vector: ArrayLike) -> FloatArray:
+def unit_vector(vector: ArrayLike) -> FloatArray:
     """Return vectors (..., 3) scaled to length 1."""
     vector = np.asarray(vector, dtype=float)
-    return vector / size(vector)[..., None]
+    return vector / vector_length(vector)[..., None]
 
 
-def direction(*, side: ArrayLike, top: ArrayLike) -> FloatArray:
+def direction_from_slopes(*, side: ArrayLike, top: ArrayLike) -> FloatArray:
     """Return unit vectors (..., 3) of members with side and top view slopes (...) rad.
 
     A slope is the angle seen in its view, so d is along (1, tan top, -tan side).
     """
     side, top = np.broadcast_arrays(np.asarray(side, float), np.asarray(top, float))
-    return unit(stacked((1.0, np.tan(top), -np.tan(side))))
+    return unit_vector(stack_on_last_axis((1.0, np.tan(top), -np.tan(side))))
 
 
-def from_slopes(*, side: ArrayLike, top: ArrayLike, lengths: ArrayLike) -> Layout:
+def layout_from_slopes(*, side: ArrayLike, top: ArrayLike, lengths: ArrayLike) -> Layout:
     """Return the layout of members with given slopes (..., n+1) rad and shafts (..., n-1) m.
 
     The first joint is the origin.
     """
-    directions = direction(side=side, top=top)
+    directions = direction_from_slopes(side=side, top=top)
     lengths = np.asarray(lengths, dtype=float)
     steps = lengths[..., None] * directions[..., 1:-1, :]
     start = np.zeros_like(steps[..., :1, :])
@@ -82,7 +82,7 @@ def from_slopes(*, side: ArrayLike, top: ArrayLike, lengths: ArrayLike) -> Layou
     )
 
 
-def from_joint_angles(*, side: ArrayLike, top: ArrayLike, lengths: ArrayLike) -> Layout:
+def layout_from_joint_angles(*, side: ArrayLike, top: ArrayLike, lengths: ArrayLike) -> Layout:
     """Return the layout of view angles at the joints (..., n) rad, the gearbox level.
 
     An angle is the change of slope at its joint, as application sheets tabulate it.
@@ -91,26 +91,30 @@ def from_joint_angles(*, side: ArrayLike, top: ArrayLike, lengths: ArrayLike) ->
         np.insert(np.cumsum(np.asarray(a, dtype=float), axis=-1), 0, 0.0, axis=-1)
         for a in (side, top)
     )
-    return from_slopes(side=side, top=top, lengths=lengths)
+    return layout_from_slopes(side=side, top=top, lengths=lengths)
 
 
-def from_points(points: ArrayLike, *, gearbox: ArrayLike, pinion: ArrayLike) -> Layout:
+def layout_from_points(points: ArrayLike, *, gearbox: ArrayLike, pinion: ArrayLike) -> Layout:
     """Return the layout through joint centres (..., n, 3) m between two flange directions.
 
     `gearbox` and `pinion` are vectors (..., 3) along the flanges, pointing rearward.
     """
     points = np.asarray(points, dtype=float)
-    members = joined(unit(gearbox), unit(np.diff(points, axis=-2)), unit(pinion))
+    members = shaft_and_end_directions(
+        unit_vector(gearbox), unit_vector(np.diff(points, axis=-2)), unit_vector(pinion)
+    )
     return Layout(points=points, directions=members)
 
 
-def joined(gearbox: FloatArray, shafts: FloatArray, pinion: FloatArray) -> FloatArray:
+def shaft_and_end_directions(
+    gearbox: FloatArray, shafts: FloatArray, pinion: FloatArray
+) -> FloatArray:
     """Return the directions of all members (..., n+1, 3) of shafts (..., n-1, 3) and ends."""
     members = [gearbox, *(shafts[..., k, :] for k in range(shafts.shape[-2])), pinion]
     return _side_by_side(members)
 
 
-def hung(
+def joint_centres_from_bearings(
     first: ArrayLike, bearings: ArrayLike, last: ArrayLike, *, lengths: ArrayLike
 ) -> FloatArray:
     """Return the joint centres (..., n, 3) m of a line hung on its bearings.
@@ -123,7 +127,7 @@ def hung(
     points = [np.asarray(first, dtype=float)]
     bearings, lengths = np.asarray(bearings, dtype=float), np.asarray(lengths, dtype=float)
     for k in range(bearings.shape[-2]):
-        along = unit(bearings[..., k, :] - points[-1])
+        along = unit_vector(bearings[..., k, :] - points[-1])
         points.append(points[-1] + lengths[..., k, None] * along)
     points.append(np.asarray(last, dtype=float))
     return _side_by_side(points)

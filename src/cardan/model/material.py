@@ -1,18 +1,19 @@
 """What a part is made of. All SI."""
 
+from dataclasses import replace
 from typing import Literal, TypeAlias, get_args
 
-from cardan.base.errors import positive
-from cardan.base.frozen import dataclass
-from cardan.base.source import ASSUMED, Source
-from cardan.base.units import GPa, Pascal
+from cardan.core.errors import require_positive
+from cardan.core.lazy_dataclass import dataclass
+from cardan.core.provenance import SOURCE_ASSUMED, Source
+from cardan.core.units import GPa, MPa, Pascal
 
-Metal: TypeAlias = Literal[
+MetalKind: TypeAlias = Literal[
     "steel", "cast steel", "ductile iron", "malleable iron", "grey iron",
     "aluminium", "cast aluminium", "magnesium", "other",
 ]  # fmt: skip
 """Kinds of metal, by which codes tell apart what bears in fatigue."""
-METALS: tuple[Metal, ...] = get_args(Metal)
+METAL_KINDS: tuple[MetalKind, ...] = get_args(MetalKind)
 _STEEL = 180 * GPa
 """No steel is softer: cast irons have up to 176, titanium 115, aluminium 70."""
 
@@ -28,14 +29,14 @@ class Material:
     yield_strength: Pascal | None = None
     ultimate_strength: Pascal | None = None
     fatigue_shear: Pascal | None = None
-    kind: Metal | None = None
+    kind: MetalKind | None = None
     """What metal it is, where somebody said so."""
     welded_yield: Pascal | None = None
     """Yield strength beside a weld, where its heat lowers it."""
-    source: Source = ASSUMED
+    source: Source = SOURCE_ASSUMED
 
     def __post_init__(self) -> None:
-        positive("a material", youngs_modulus=self.youngs_modulus, density=self.density)
+        require_positive("a material", youngs_modulus=self.youngs_modulus, density=self.density)
 
     @property
     def shear_modulus(self) -> Pascal:
@@ -43,19 +44,19 @@ class Material:
         return self.youngs_modulus / (2 * (1 + self.poisson))
 
     @property
-    def metal(self) -> Metal:
+    def metal(self) -> MetalKind:
         """What metal it is: as said, else steel where it is as stiff as one."""
         return self.kind or ("steel" if self.youngs_modulus >= _STEEL else "other")
 
     @property
-    def softens(self) -> bool:
+    def weld_softens(self) -> bool:
         """Whether the heat of a weld lowers its strength."""
         return self.welded_yield is not None or self.metal in ("aluminium", "cast aluminium")
 
     @property
-    def yield_beside_weld(self) -> Pascal | None:
+    def yield_strength_at_weld(self) -> Pascal | None:
         """Yield strength beside a weld; None where it is lower, and nobody said by how much."""
-        return self.welded_yield if self.softens else self.yield_strength
+        return self.welded_yield if self.weld_softens else self.yield_strength
 
 
 STEEL = Material(
@@ -64,3 +65,16 @@ STEEL = Material(
     density=7850.0,
     source=Source("EN 13906-1, spring steel: E = 206 GPa", how_read="from memory"),
 )
+
+ASSUMED_TUBE_STEEL = replace(
+    STEEL,
+    name="E355-N",
+    yield_strength=355 * MPa,
+    ultimate_strength=490 * MPa,
+    source=Source(
+        "No material is given: strength of E355 +N (EN 10305-1), the least of the tube steels "
+        "here; E 206 GPa of EN 13906-1",
+        how_read="assumed",
+    ),
+)
+"""Steel of a tube that a file gives by its sizes alone. A real one is rarely weaker or softer."""

@@ -5,14 +5,14 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from cardan.base.arrays import ArrayLike, FloatArray, stacked
-from cardan.base.errors import DesignError, failing, positive
-from cardan.base.frozen import dataclass
-from cardan.base.source import ASSUMED, Source
-from cardan.base.units import Kilogram, Metre, NewtonMetre, Radian, mm
+from cardan.core.arrays import ArrayLike, FloatArray, stack_on_last_axis
+from cardan.core.errors import DesignError, require_positive, values_of_first_violating_case
+from cardan.core.lazy_dataclass import dataclass
+from cardan.core.provenance import SOURCE_ASSUMED, Source
+from cardan.core.units import Kilogram, Metre, Newton, NewtonMetre, Radian, mm
+from cardan.model.bracket_compliance import DEFAULT_BRACKET_LOSS_FACTOR
 from cardan.model.laminate import CompositeTube
 from cardan.model.material import STEEL, Material
-from cardan.model.seat import LOSS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,11 +23,13 @@ class Tube:
     wall: Metre
     material: Material = STEEL
     name: str = ""
-    source: Source = ASSUMED
+    source: Source = SOURCE_ASSUMED
 
     def __post_init__(self) -> None:
         half = self.outer / 2
-        if wrong := failing((self.wall > 0) & (self.wall <= half), half, self.wall):
+        if wrong := values_of_first_violating_case(
+            (self.wall > 0) & (self.wall <= half), half, self.wall
+        ):
             most, wall = wrong
             msg = (
                 f"wall of a tube must be above 0 and at most half its outside diameter, "
@@ -94,7 +96,7 @@ _KEYS = {
 }  # fmt: skip
 """What catalogues call the values of a joint, where that is another name."""
 
-JointKind: TypeAlias = Literal["cross", "double cardan", "rzeppa", "tripod"]
+JointKind: TypeAlias = Literal["cross", "double cardan", "rzeppa", "tripod", "flexible disc"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,6 +111,9 @@ class JointSize:
     `rated_speed` and `rated_angle`; `pitch_radius` is from the axis to its balls or rollers,
     `plunge` how far it slides either way. Of a double cardan `centre_distance` is between its
     crosses, `ball_from_rear` from its centring ball to the rear one; Td is that of a cross.
+    A flexible disc (Hardy disc, coupling of links or membranes) turns by `torsional_stiffness`
+    under torque and resists its angle by `bending_stiffness`, N m/rad; its `plunge` is how far it
+    may give along the line, either way.
     """
 
     name: str
@@ -121,6 +126,8 @@ class JointSize:
     centre_distance: Metre | None = None
     ball_from_rear: Metre | None = None
     plunge: Metre | None = None
+    torsional_stiffness: float | None = None
+    bending_stiffness: float | None = None
     series: str = ""
     peak_torque: NewtonMetre | None = None
     reversing_torque: NewtonMetre | None = None
@@ -138,11 +145,11 @@ class JointSize:
     swing_diameter: Metre | None = None
     """Of the ball that its yokes turn in, whatever the angle."""
     mass: Kilogram | None = None
-    source: Source = ASSUMED
+    source: Source = SOURCE_ASSUMED
     note: str = ""
 
     @property
-    def across(self) -> Metre | None:
+    def cup_spacing(self) -> Metre | None:
         """Between the middles of opposite cups, which carry the torque; None if not known."""
         if self.cross_width is None or self.cup_length is None:
             return None
@@ -150,7 +157,7 @@ class JointSize:
 
     def source_of(self, rating: str) -> Source:
         """Return the source of one of its values, by the name that it has here."""
-        return self.source.of(_KEYS.get(rating, rating))
+        return self.source.source_of_value(_KEYS.get(rating, rating))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -172,11 +179,13 @@ class CentreBearing:
     axial_stiffness: float | None = None
     loss_factor: float | None = None
     bracket_stiffness: tuple[float, float, float] | None = None
-    bracket_loss: float = LOSS
+    bracket_loss: float = DEFAULT_BRACKET_LOSS_FACTOR
     travel: Metre | None = None
+    stiffness_range: tuple[float, float] | None = None
+    """Its stiffness hot and cold, over `stiffness`; None is not known."""
 
     @property
-    def across(self) -> tuple[float, float] | None:
+    def transverse_stiffness(self) -> tuple[float, float] | None:
         """Vertical and lateral stiffness of rubber and bracket together, N/m; None is rigid."""
         if self.bracket_stiffness is None:
             return self.stiffness
@@ -187,22 +196,26 @@ class CentreBearing:
         return 1 / (1 / vertical + 1 / z), 1 / (1 / lateral + 1 / y)
 
     def __post_init__(self) -> None:
-        if wrong := failing(self.from_rear_joint >= 0, self.from_rear_joint):
+        if wrong := values_of_first_violating_case(self.from_rear_joint >= 0, self.from_rear_joint):
             msg = (
                 "a centre bearing sits ahead of its rear joint: from_rear_joint must be 0 or "
                 f"more, got {wrong[0] / mm:g} mm"
             )
             raise DesignError(msg)
         if self.stiffness is not None:
-            positive(
+            require_positive(
                 "a centre bearing",
                 **dict(zip(("vertical", "lateral"), self.stiffness, strict=True)),
             )
-        positive("a centre bearing", axial_stiffness=self.axial_stiffness, travel=self.travel)
+        require_positive(
+            "a centre bearing", axial_stiffness=self.axial_stiffness, travel=self.travel
+        )
         if self.bracket_stiffness is not None:
-            positive("a bracket", **dict(zip("xyz", self.bracket_stiffness, strict=True)))
+            require_positive("a bracket", **dict(zip("xyz", self.bracket_stiffness, strict=True)))
         for part, loss in (("centre bearing", self.loss_factor), ("bracket", self.bracket_loss)):
-            if loss is not None and (wrong := failing((loss > 0) & (loss < 1), loss)):
+            if loss is not None and (
+                wrong := values_of_first_violating_case((loss > 0) & (loss < 1), loss)
+            ):
                 msg = f"loss_factor of a {part} must be above 0 and below 1, got {wrong[0]:g}"
                 raise DesignError(msg)
 
@@ -227,9 +240,11 @@ class Flange:
 
     def __post_init__(self) -> None:
         if self.stiffness is not None:
-            positive("a flange", **dict(zip(("vertical", "lateral"), self.stiffness, strict=True)))
+            require_positive(
+                "a flange", **dict(zip(("vertical", "lateral"), self.stiffness, strict=True))
+            )
         loss = self.loss_factor
-        if wrong := failing((loss >= 0) & (loss < 1), loss):
+        if wrong := values_of_first_violating_case((loss >= 0) & (loss < 1), loss):
             msg = f"loss_factor of a flange must be 0 or more and below 1, got {wrong[0]:g}"
             raise DesignError(msg)
 
@@ -253,7 +268,9 @@ class Spline:
     from_front_joint: Metre = 0.0
 
     def __post_init__(self) -> None:
-        positive("a spline", plunge=self.plunge, draw=self.draw, mean_radius=self.mean_radius)
+        require_positive(
+            "a spline", plunge=self.plunge, draw=self.draw, mean_radius=self.mean_radius
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -285,12 +302,12 @@ class Shaft:
     def __post_init__(self) -> None:
         unknown = isinstance(self.length, float) and isnan(self.length)
         length = None if unknown else self.length
-        positive("a shaft", length=length, polar_inertia=self.polar_inertia_given)
+        require_positive("a shaft", length=length, polar_inertia=self.polar_inertia_given)
         bearing = self.centre_bearing
         if bearing is None or unknown:
             return
         place = bearing.from_rear_joint
-        if wrong := failing(place < self.length, self.length, place):
+        if wrong := values_of_first_violating_case(place < self.length, self.length, place):
             msg = (
                 f"a centre bearing must sit on its shaft: from_rear_joint must be below its "
                 f"length {wrong[0] / mm:g} mm, got {wrong[1] / mm:g} mm"
@@ -336,6 +353,11 @@ class Line:
     gearbox_bearing_overhang: Metre | None = None
     pinion_bearing_spacing: Metre | None = None
     pinion_bearing_overhang: Metre | None = None
+    gearbox_bearing_rating: tuple[Newton, Newton] | None = None
+    """Radial force that the line may put on the output's bearings: the one farther from joint 1,
+    and the nearer one."""
+    pinion_bearing_rating: tuple[Newton, Newton] | None = None
+    """The same of the pinion's bearings: the one farther from the last joint, and the nearer."""
     gearbox_flange: Flange = RIGID_FLANGE
     pinion_flange: Flange = RIGID_FLANGE
 
@@ -371,39 +393,61 @@ class Line:
         return self.gearbox_flange, self.pinion_flange
 
     @property
-    def swings(self) -> int:
+    def rigid_body_mode_count(self) -> int:
         """Number of ways in which its shafts swing without bending."""
         soft = sum(f.stiffness is not None for f in self.flanges)
         return 2 * (len(self.shafts) - 1 + soft)
 
     @property
-    def measured(self) -> bool:
+    def has_lengths(self) -> bool:
         """Whether the lengths of its shafts are known, and not slopes alone."""
         return not any(isinstance(s.length, float) and isnan(s.length) for s in self.shafts)
 
     @property
-    def kinds(self) -> tuple[JointKind, ...]:
+    def joint_kinds(self) -> tuple[JointKind, ...]:
         """Kind of every joint; a cross where no size says another."""
         sizes = self.joints or (None,) * self.joint_count
         return tuple(size.kind if size else "cross" for size in sizes)
 
     @property
-    def crosses(self) -> tuple[float, ...]:
+    def is_cross(self) -> tuple[float, ...]:
         """1 for every joint that is a cross, 0 for one of constant velocity."""
-        return tuple(1.0 if kind == "cross" else 0.0 for kind in self.kinds)
+        return tuple(1.0 if kind == "cross" else 0.0 for kind in self.joint_kinds)
 
     @property
     def phases(self) -> tuple[Radian, ...]:
         """Yoke phase of every shaft."""
         return tuple(s.phase for s in self.shafts)
 
-    def twisted(self, phases: ArrayLike, torque: ArrayLike) -> FloatArray:
+    @property
+    def torsional_flexibilities(self) -> tuple[float, ...]:
+        """What twists between the yokes of each shaft, rad/(N m): its tube, a disc at its front.
+
+        A disc ahead of the first shaft turns the whole line, and one behind the last the pinion.
+        """
+        front = (None, *self.joints[1:-1]) if self.joints else (None,) * len(self.shafts)
+        return tuple(
+            shaft.torsional_flexibility
+            + (1 / k if disc and (k := disc.torsional_stiffness) is not None else 0.0)
+            for shaft, disc in zip(self.shafts, front, strict=True)
+        )
+
+    @property
+    def joint_bending_stiffnesses(self) -> tuple[float, ...] | None:
+        """What each joint resists its angle with, N m/rad; None if none does."""
+        each = [size.bending_stiffness if size else None for size in self.joints]
+        if all(k is None for k in each):
+            return None
+        return tuple(0.0 if k is None else k for k in each)
+
+    def phases_under_torque(self, phases: ArrayLike, torque: ArrayLike) -> FloatArray:
         """Return yoke phases (..., n-1) rad as torque (...) N m leaves them, of those welded.
 
-        It turns the rear yoke of each shaft back against the front one, by T L / G J.
+        It turns the rear yoke of each shaft back against the front one, by T L / G J, and what
+        is behind a flexible disc by T over its stiffness.
         """
         torque = np.asarray(torque, dtype=float)[..., None]
-        return np.asarray(phases) - torque * stacked(s.torsional_flexibility for s in self.shafts)
+        return np.asarray(phases) - torque * stack_on_last_axis(self.torsional_flexibilities)
 
     @property
     def lengths(self) -> tuple[Metre, ...]:

@@ -5,19 +5,19 @@ from dataclasses import field
 from math import prod
 from typing import Literal, TypeAlias
 
-from cardan.base.frozen import dataclass
+from cardan.core.lazy_dataclass import dataclass
 
-Kind: TypeAlias = Literal["range", "choice", "grid", "normal", "uniform"]
-Goal: TypeAlias = Literal["margin", "cost", "mass"]
+VariationKind: TypeAlias = Literal["range", "choice", "grid", "normal", "uniform"]
+ParetoObjective: TypeAlias = Literal["margin", "cost", "mass"]
 
-MOST = 100_000_000
+MAX_VARIANTS = 100_000_000
 """Variants that are asked, or foretold, at most."""
 
-CROSSED = 100_000
+MAX_GRID_POINTS = 100_000
 """Places of all grids crossed, at most: each shard holds them all."""
 
 
-def crossed(grids: Iterable["Spread"]) -> int:
+def grid_point_count(grids: Iterable["VariedNumber"]) -> int:
     """Return how many places grids have together, each with every other's.
 
     Raises
@@ -26,15 +26,15 @@ def crossed(grids: Iterable["Spread"]) -> int:
         If they are too many.
     """
     each = [len(g.values) for g in grids]
-    if (found := prod(each)) > CROSSED:
+    if (found := prod(each)) > MAX_GRID_POINTS:
         places = " × ".join(map(str, each))
-        msg = f"grids of {places} places are {found} variants, of {CROSSED} at most"
+        msg = f"grids of {places} places are {found} variants, of {MAX_GRID_POINTS} at most"
         raise ValueError(msg)
     return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Spread:
+class VariedNumber:
     """How one number varies, in the unit that its key ends in.
 
     Attributes
@@ -47,12 +47,12 @@ class Spread:
         half width.
     """
 
-    kind: Kind
+    kind: VariationKind
     values: tuple[float, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ask:
+class VariantOutputs:
     """What is asked of variants, beside how many come to each verdict.
 
     Attributes
@@ -86,7 +86,7 @@ class Ask:
     quantiles: tuple[float, ...] = ()
     worst: int = 3
     sobol: bool = False
-    pareto: tuple[Goal, ...] = ()
+    pareto: tuple[ParetoObjective, ...] = ()
     search: int = 0
     maps: tuple[tuple[str, str], ...] = ()
     limits: tuple[str, ...] = ()
@@ -101,7 +101,7 @@ class Ask:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Variants:
+class VariantStudy:
     """A study of variants: what is chosen, what scatters about that, and what is asked.
 
     `vary` and `tolerances` go by the address of a number, or the key of something that can
@@ -111,11 +111,16 @@ class Variants:
     of `correlated` and of `ask`.
     """
 
-    vary: Mapping[str, Spread] = field(default_factory=dict[str, Spread])
-    tolerances: Mapping[str, Spread] = field(default_factory=dict[str, Spread])
+    vary: Mapping[str, VariedNumber] = field(default_factory=dict[str, VariedNumber])
+    tolerances: Mapping[str, VariedNumber] = field(default_factory=dict[str, VariedNumber])
     correlated: tuple[tuple[str, str, float], ...] = ()
-    ask: Ask = field(default_factory=Ask)
+    ask: VariantOutputs = field(default_factory=VariantOutputs)
     file: str = field(default="", repr=False, compare=False)
     places: Mapping[str, tuple[int, int]] = field(
         default_factory=dict[str, tuple[int, int]], repr=False, compare=False
     )
+
+
+def without_addresses_of_study_section(addresses: Iterable[str]) -> list[str]:
+    """Return the addresses without those of a study, which varies others but not itself."""
+    return [at for at in addresses if not at.startswith("study.")]

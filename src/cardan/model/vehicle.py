@@ -6,22 +6,22 @@ from typing import Any, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from cardan.base.errors import DesignError, failing, positive
-from cardan.base.frozen import dataclass
-from cardan.base.units import Kilogram, Metre, Newton, NewtonMetre, Radian, RadianPerSecond
-from cardan.model.turning import GearboxRotors, Rotors
+from cardan.core.errors import DesignError, require_positive, values_of_first_violating_case
+from cardan.core.lazy_dataclass import dataclass
+from cardan.core.units import Kilogram, Metre, Newton, NewtonMetre, Radian, RadianPerSecond
+from cardan.model.powertrain import AxleRotors, GearboxRotors
 
-Drive: TypeAlias = Literal["4x2", "4x4", "6x2", "6x4", "6x6", "8x2", "8x4", "8x8"]
-Drives: TypeAlias = Literal["rear", "front", "all"]
+DriveConfiguration: TypeAlias = Literal["4x2", "4x4", "6x2", "6x4", "6x6", "8x2", "8x4", "8x8"]
+DrivenAxles: TypeAlias = Literal["rear", "front", "all"]
 """Which axles a line turns."""
-Runs: TypeAlias = Literal["rearward", "forward"]
+TorqueFlowDirection: TypeAlias = Literal["rearward", "forward"]
 """Which way torque flows along a line, in the vehicle."""
 
-StandingState: TypeAlias = Literal[
+StaticSuspensionState: TypeAlias = Literal[
     "full rebound", "rebound", "curb", "empty", "gvw", "overload", "jounce"
 ]
 """How springs place an axle that no torque winds up."""
-SuspensionState: TypeAlias = Literal[StandingState, "windup", "windup brake"]
+SuspensionState: TypeAlias = Literal[StaticSuspensionState, "windup", "windup brake"]
 
 
 def _rising(part: str, **columns: tuple[float, ...]) -> None:
@@ -50,6 +50,8 @@ class Engine:
     """Where the governor leaves nothing; None is the last speed of the curve."""
     firing_torque: NewtonMetre | None = None
     """0-to-peak of the firing order at full load."""
+    power: float | None = None
+    """Rated power, W: what the curve is held against."""
 
     def __post_init__(self) -> None:
         if len(self.speed) != len(self.torque) or not self.speed:
@@ -80,7 +82,7 @@ class Engine:
         return tuple(speed), tuple(torque)
 
     @property
-    def peak(self) -> NewtonMetre:
+    def peak_torque(self) -> NewtonMetre:
         """Largest torque that governed speed leaves, N m."""
         return np.max(np.stack(np.broadcast_arrays(*self.full_load[1])), axis=0)
 
@@ -105,8 +107,8 @@ class Gearbox:
         if not self.ratios:
             msg = "a gearbox needs at least one ratio"
             raise DesignError(msg)
-        positive("a gearbox", **{f"ratio {k}": r for k, r in enumerate(self.ratios, 1)})
-        positive(
+        require_positive("a gearbox", **{f"ratio {k}": r for k, r in enumerate(self.ratios, 1)})
+        require_positive(
             "a gearbox",
             efficiency=self.efficiency,
             converter_ratio=self.converter_ratio,
@@ -114,7 +116,7 @@ class Gearbox:
             reverse_ratio=self.reverse_ratio,
         )
         held = self.retarder_torque
-        if held is not None and (wrong := failing(held >= 0, held)):
+        if held is not None and (wrong := values_of_first_violating_case(held >= 0, held)):
             msg = f"retarder_torque of a gearbox must be 0 or more, got {wrong[0]:g}"
             raise DesignError(msg)
 
@@ -131,10 +133,10 @@ class Axle:
     ratio: float
     efficiency: float = 1.0
     pinion_joint: tuple[Metre, Metre] = (0.0, 0.0)
-    rotors: Rotors = field(default_factory=Rotors)
+    rotors: AxleRotors = field(default_factory=AxleRotors)
 
     def __post_init__(self) -> None:
-        positive("an axle", ratio=self.ratio, efficiency=self.efficiency)
+        require_positive("an axle", ratio=self.ratio, efficiency=self.efficiency)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -150,7 +152,7 @@ class Tyre:
     """Of one tyre, force over slip, N."""
 
     def __post_init__(self) -> None:
-        positive("a tyre", static_radius=self.static_radius, friction=self.friction)
+        require_positive("a tyre", static_radius=self.static_radius, friction=self.friction)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -181,7 +183,7 @@ class LoadState:
                 "front_load and rear_load without cg_behind_front"
             )
             raise DesignError(msg)
-        positive(f"load state {self.name}", mass=self.mass, cg_height=self.cg_height)
+        require_positive(f"load state {self.name}", mass=self.mass, cg_height=self.cg_height)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -205,7 +207,7 @@ class Vehicle:
     the ground and driven points, two to an axle.
     """
 
-    drive: Drive
+    drive: DriveConfiguration
     wheelbase: Metre
     driven_share: float | None = None
     """Share of the rear group's load on its driven axles; None: all its axles alike."""
@@ -218,9 +220,11 @@ class Vehicle:
     auxiliary: tuple[AuxiliaryAxle, ...] = ()
 
     def __post_init__(self) -> None:
-        positive("a vehicle", wheelbase=self.wheelbase)
+        require_positive("a vehicle", wheelbase=self.wheelbase)
         share = self.driven_share
-        if share is not None and (wrong := failing((share >= 0) & (share <= 1), share)):
+        if share is not None and (
+            wrong := values_of_first_violating_case((share >= 0) & (share <= 1), share)
+        ):
             msg = f"driven_share of a vehicle must be within 0 and 1, got {wrong[0]:g}"
             raise DesignError(msg)
         if self.rear_group < 1:
@@ -229,7 +233,7 @@ class Vehicle:
         fixed = {0: 0.0, self.rear_group: 1.0}.get(self.driven_rear)
         if share is None or fixed is None:
             return
-        if wrong := failing(share == fixed, share):
+        if wrong := values_of_first_violating_case(share == fixed, share):
             msg = (
                 f"driven_share of a {self.drive} whose rear group has {self.driven_rear} of "
                 f"{self.rear_group} axles driven must be {fixed:g}, got {wrong[0]:g}"
@@ -318,7 +322,7 @@ class Linkage:
     pitch: tuple[Radian, ...] = ()
 
     def __post_init__(self) -> None:
-        positive("a linkage", radius=self.radius)
+        require_positive("a linkage", radius=self.radius)
         columns = [c for c in (self.dx, self.pitch) if c]
         if any(len(c) != len(self.travel) for c in columns) or (columns and len(self.travel) < 2):
             msg = "a linkage table needs as many dx and pitch as travel, and at least two"
@@ -344,7 +348,7 @@ class Suspension:
     windup_loss_factor: float | None = None
     brake_torque: NewtonMetre = 0.0
     """Brake torque on the axle housing; 0 takes what the tyres can hold."""
-    reference: StandingState = "gvw"
+    reference: StaticSuspensionState = "gvw"
     full_rebound_deflection: Metre | None = None
     jounce_deflection: Metre | None = None
     squats: bool = True
@@ -353,14 +357,14 @@ class Suspension:
     """From the centre of the axle up to the frame, in the reference state."""
 
     def __post_init__(self) -> None:
-        positive(
+        require_positive(
             "a suspension",
             springs_per_axle=self.springs_per_axle, windup_stiffness=self.windup_stiffness,
         )  # fmt: skip
-        if wrong := failing(self.unsprung_mass >= 0, self.unsprung_mass):
+        if wrong := values_of_first_violating_case(self.unsprung_mass >= 0, self.unsprung_mass):
             msg = f"unsprung_mass of a suspension must be 0 or more, got {wrong[0]:g}"
             raise DesignError(msg)
-        if self.reference not in get_args(StandingState):
-            fit = ", ".join(get_args(StandingState))
+        if self.reference not in get_args(StaticSuspensionState):
+            fit = ", ".join(get_args(StaticSuspensionState))
             msg = f"reference of a suspension must be one of {fit}: {self.reference}"
             raise DesignError(msg)

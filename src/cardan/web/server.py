@@ -13,33 +13,33 @@ from importlib.resources import files
 from typing import Any
 from weakref import WeakSet
 
-from cardan.base.errors import CardanError, NotInstalled
-from cardan.web.desk import Desk
-from cardan.web.guard import PROTOCOL, Guard
-from cardan.web.lanes import Lane, Lanes
-from cardan.web.session import MESSAGE, Session, Wrong
+from cardan.core.errors import CardanError, MissingDependencyError
+from cardan.web.security import WEBSOCKET_SUBPROTOCOL, RequestGuard
+from cardan.web.session import MAX_MESSAGE_BYTES, InvalidMessageError, Session
+from cardan.web.worker_pool import PATIENT_ANSWER_TIMEOUT_S, WorkerPool, WorkerQueue
+from cardan.web.workspace import Workspace
 
-ADDRESSES = ((socket.AF_INET, "127.0.0.1"), (socket.AF_INET6, "::1"))
+LOOPBACK_ADDRESSES = ((socket.AF_INET, "127.0.0.1"), (socket.AF_INET6, "::1"))
 
-PAGES = 16
+MAX_OPEN_BROWSER_PAGES = 16
 """Sockets at a time: tabs of one person."""
 
-CONNECTIONS = 128
+MAX_CONNECTIONS = 128
 """Connections at a time: a browser has six, and some pages."""
 
-SILENT = 10.0
+FIRST_REQUEST_TIMEOUT_S = 10.0
 """Seconds a connection may take to ask anything."""
 
-JOB = 600.0
+JOB_TIMEOUT_S = 600.0
 """Seconds a job may take: a search, a map, a report."""
 
-KINDS = {
+MEDIA_TYPES = {
     ".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8",
     ".css": "text/css; charset=utf-8", ".svg": "image/svg+xml", ".png": "image/png",
 }  # fmt: skip
 
 
-def front() -> dict[str, tuple[bytes, str]]:
+def static_files() -> dict[str, tuple[bytes, str]]:
     """Return the built front by path: contents and media type.
 
     Raises
@@ -52,7 +52,7 @@ def front() -> dict[str, tuple[bytes, str]]:
     for place, prefix in ((folder, "/"), (folder.joinpath("assets"), "/assets/")):
         if place.is_dir():
             for entry in place.iterdir():
-                kind = KINDS.get("." + entry.name.rpartition(".")[2])
+                kind = MEDIA_TYPES.get("." + entry.name.rpartition(".")[2])
                 if entry.is_file() and kind:
                     found[prefix + entry.name] = entry.read_bytes(), kind
     if "/index.html" not in found:
@@ -60,12 +60,12 @@ def front() -> dict[str, tuple[bytes, str]]:
             "the workbench's page is not built: `make serve` builds it where Node is installed; "
             "a released package contains it"
         )
-        raise NotInstalled(msg)
+        raise MissingDependencyError(msg)
     found["/"] = found["/index.html"]
     return found
 
 
-def sockets(port: int) -> list[socket.socket]:
+def listening_sockets(port: int) -> list[socket.socket]:
     """Return listening sockets on this machine's own addresses, of one port; 0 is any.
 
     Raises
@@ -77,8 +77,8 @@ def sockets(port: int) -> list[socket.socket]:
         opened: list[socket.socket] = []
         wanted = port
         try:
-            for family, address in ADDRESSES:
-                found = _listening(family, address, wanted)
+            for family, address in LOOPBACK_ADDRESSES:
+                found = _bind(family, address, wanted)
                 if found is not None:
                     opened.append(found)
                     wanted = found.getsockname()[1]
@@ -96,7 +96,7 @@ def sockets(port: int) -> list[socket.socket]:
     raise CardanError(msg)
 
 
-def _listening(family: int, address: str, port: int) -> socket.socket | None:
+def _bind(family: int, address: str, port: int) -> socket.socket | None:
     """Return a socket; None where the machine does not have such addresses."""
     try:
         one = socket.socket(family, socket.SOCK_STREAM)
@@ -130,26 +130,26 @@ def has_ipv6() -> bool:
     return False
 
 
-class House:
+class WorkbenchApp:
     """What a running workbench consists of: files on the desk, four lanes, one page."""
 
     def __init__(
-        self, desk: Desk, *, port: int, built: Mapping[str, tuple[bytes, str]] | None = None
+        self, desk: Workspace, *, port: int, built: Mapping[str, tuple[bytes, str]] | None = None
     ) -> None:
-        self.desk, self.port = desk, port
-        self.built = front() if built is None else built
+        self.workspace, self.port = desk, port
+        self.built = static_files() if built is None else built
         self.token = secrets.token_urlsafe(24)
-        self.lanes = Lanes(
-            quick=Lane(),
-            limits=Lane(),
-            slow=Lane(patient=True),
-            work=Lane(JOB, patient=True),
-            beside=Lane(JOB, patient=True),
+        self.workers = WorkerPool(
+            quick=WorkerQueue(),
+            limits=WorkerQueue(),
+            slow=WorkerQueue(PATIENT_ANSWER_TIMEOUT_S, patient=True),
+            jobs=WorkerQueue(JOB_TIMEOUT_S, patient=True),
+            view_jobs=WorkerQueue(JOB_TIMEOUT_S, patient=True),
         )
-        self.pages = 0
+        self.open_pages = 0
         self.transports: WeakSet[Any] = WeakSet()
         self.server: Any = None
-        self.app = Guard(self._application(), token=self.token, port=port)
+        self.app = RequestGuard(self._application(), token=self.token, port=port)
 
     @property
     def address(self) -> str:
@@ -157,9 +157,9 @@ class House:
         return f"http://127.0.0.1:{self.port}/#{self.token}"
 
     @property
-    def opening(self) -> str:
+    def one_time_address(self) -> str:
         """Where a browser is sent: every user of this machine can see what it is started with."""
-        return f"http://127.0.0.1:{self.port}/#{self.app.once()}"
+        return f"http://127.0.0.1:{self.port}/#{self.app.one_time_code()}"
 
     def _application(self) -> Any:
         from starlette.applications import Starlette
@@ -174,22 +174,22 @@ class House:
             return Response(found[0], media_type=found[1])
 
         async def ask(ws: WebSocket) -> None:
-            if self.pages >= PAGES:
+            if self.open_pages >= MAX_OPEN_BROWSER_PAGES:
                 await ws.close(1013)
                 return
-            self.pages += 1
+            self.open_pages += 1
             try:
-                await ws.accept(subprotocol=PROTOCOL)
-                await Session(ws, self.desk, self.lanes, token=self.token).run()
+                await ws.accept(subprotocol=WEBSOCKET_SUBPROTOCOL)
+                await Session(ws, self.workspace, self.workers, token=self.token).run()
             except WebSocketDisconnect:
                 pass
             except TimeoutError:  # it reads nothing: no goodbye would reach it
                 self._abort(ws.client)
-            except (Wrong, KeyError):  # a KeyError: bytes where text belongs
+            except (InvalidMessageError, KeyError):  # a KeyError: bytes where text belongs
                 with suppress(RuntimeError):
                     await ws.close(1003)
             finally:
-                self.pages -= 1
+                self.open_pages -= 1
 
         return Starlette(
             routes=[
@@ -204,63 +204,63 @@ class House:
             if client and transport.get_extra_info("peername")[:2] == tuple(client):
                 transport.abort()
 
-    def end(self) -> None:
+    def stop(self) -> None:
         """Serve no longer."""
         self.server.should_exit = True
 
-    async def open(self) -> None:
+    async def start(self) -> None:
         """Start what answers."""
-        await asyncio.gather(self.lanes.quick.start(), self.lanes.slow.start())
+        await asyncio.gather(self.workers.quick.start(), self.workers.slow.start())
 
     def close(self) -> None:
         """End what answers."""
-        for lane in self.lanes:
+        for lane in self.workers:
             lane.close()
 
-    async def closed(self) -> None:
+    async def wait_closed(self) -> None:
         """Wait until what answers has ended."""
-        await asyncio.gather(*(lane.closed() for lane in self.lanes))
+        await asyncio.gather(*(lane.wait_closed() for lane in self.workers))
 
 
 def serve(
-    house: House, listening: list[socket.socket], *, ready: Callable[[], None] = lambda: None
+    house: WorkbenchApp, listening: list[socket.socket], *, ready: Callable[[], None] = lambda: None
 ) -> None:
     """Serve until the process is told to end; `ready` is called once it listens."""
-    asyncio.run(started(house, listening, ready))
+    asyncio.run(serve_async(house, listening, ready))
 
 
-async def started(
-    house: House, listening: list[socket.socket], ready: Callable[[], None] = lambda: None
+async def serve_async(
+    house: WorkbenchApp, listening: list[socket.socket], ready: Callable[[], None] = lambda: None
 ) -> None:
     """Serve, in a loop that runs already."""
     import uvicorn
 
     config = uvicorn.Config(
-        house.app, http=_protocol(house.transports), ws="websockets-sansio", loop="asyncio",
+        house.app, http=_bounded_protocol(house.transports), ws="websockets-sansio", loop="asyncio",
         lifespan="off",
         log_config=None, log_level="critical", access_log=False, server_header=False,
-        date_header=False, proxy_headers=False, ws_max_size=MESSAGE,
+        date_header=False, proxy_headers=False, ws_max_size=MAX_MESSAGE_BYTES,
         ws_per_message_deflate=False, ws_ping_interval=20, ws_ping_timeout=20,
         timeout_keep_alive=20, timeout_graceful_shutdown=1, h11_max_incomplete_event_size=16_384,
     )  # fmt: skip
     server = house.server = uvicorn.Server(config)
-    await house.open()
+    await house.start()
     try:
-        told = asyncio.get_running_loop().create_task(_told(server, ready))
+        told = asyncio.get_running_loop().create_task(_call_when_started(server, ready))
         await server.serve(sockets=listening)
         told.cancel()
     finally:
         house.close()  # at once: a second Ctrl-C leaves nothing behind either
-        await house.closed()
+        await house.wait_closed()
 
 
-async def _told(server: Any, ready: Callable[[], None]) -> None:
+async def _call_when_started(server: Any, ready: Callable[[], None]) -> None:
     while not server.started:
         await asyncio.sleep(0.01)
     ready()
 
 
-def _protocol(transports: WeakSet[Any]) -> Any:
+def _bounded_protocol(transports: WeakSet[Any]) -> Any:
     """Return uvicorn's protocol, with an end to connections that ask nothing, or are too many."""
     from uvicorn.protocols.http.h11_impl import H11Protocol
 
@@ -274,10 +274,10 @@ def _protocol(transports: WeakSet[Any]) -> Any:
             transports.add(transport)
             Bounded.opened += 1
             self.counted = True
-            if Bounded.opened > CONNECTIONS:
+            if Bounded.opened > MAX_CONNECTIONS:
                 transport.abort()
             else:
-                self.patience = self.loop.call_later(SILENT, transport.abort)
+                self.patience = self.loop.call_later(FIRST_REQUEST_TIMEOUT_S, transport.abort)
 
         def connection_lost(self, exc: Exception | None) -> None:
             self._heard()

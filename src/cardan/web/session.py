@@ -33,40 +33,46 @@ from pathlib import Path
 from typing import Any, Protocol, get_args
 
 from cardan import __version__
-from cardan.base.errors import CardanError
-from cardan.border.table import Stamp, stamp
-from cardan.demand.points import Direction
-from cardan.files.limit import names as profiles
-from cardan.report.language import CODES, Language
-from cardan.study.drag import KINDS
-from cardan.web import jobs, words
-from cardan.web.desk import Conflict, Desk, mark, readable
-from cardan.web.jobs import TooMuch, Wrong
-from cardan.web.lanes import Lanes, Latest
-from cardan.web.parcel import Parcel
+from cardan.application.limit_profiles import profile_names as profiles
+from cardan.core.errors import CardanError
+from cardan.physics.vehicle.operating_points import DriveMode
+from cardan.render.i18n import LANGUAGE_CODES, Translator
+from cardan.schema.node_reader import FileChangeStamp, file_stamp
+from cardan.topics.design.drag_handles import HANDLE_KINDS
+from cardan.web import jobs
+from cardan.web import ui_texts as words
+from cardan.web.jobs import InvalidMessageError, MessageTooLargeError
+from cardan.web.upload import Upload
+from cardan.web.worker_pool import LatestOnlyQueue, WorkerPool
+from cardan.web.workspace import (
+    EditConflictError,
+    Workspace,
+    error_text_without_path,
+    text_fingerprint,
+)
 
-WATCH = 1.0
+DISK_POLL_INTERVAL_S = 1.0
 """Seconds between looks at the disk."""
 
-SLOWEST = 20.0
+SEND_TIMEOUT_S = 20.0
 """Seconds a page may take to accept a message."""
 
-REST = 0.2
+VERDICT_DELAY_AFTER_EDIT_S = 0.2
 """Seconds that a hand rests before the verdict is asked for."""
 
-ANSWERS = {
+RESPONSE_KIND_BY_JOB = {
     "live": "live", "held": "moved", "graded": "graded", "pose": "posed", "full": "full",
     "help": "helped",
 }  # fmt: skip
 """What a page is told in answer to each question."""
 
-ASKED = {"ask": "live", "pose": "posed", "help": "helped"}
+RESPONSE_KIND_BY_MESSAGE = {"ask": "live", "pose": "posed", "help": "helped"}
 """What is told in answer to each of these messages."""
 
-MESSAGE = 8_200_000
+MAX_MESSAGE_BYTES = 8_200_000
 """Bytes of a message: a text as long as a file may be, in letters of four bytes."""
 
-FARTHEST = 1e5
+MAX_DRAG_MM = 1e5
 """mm: nothing on a vehicle is moved farther."""
 
 Json = dict[str, Any]
@@ -87,23 +93,25 @@ class Socket(Protocol):
 class Session:
     """One page, from its hello to its end."""
 
-    def __init__(self, socket: Socket, desk: Desk, lanes: Lanes, *, token: str) -> None:
-        self.socket, self.desk, self.lanes, self.token = socket, desk, lanes, token
-        self.quick, self.limits, self.slow = map(Latest, (lanes.quick, lanes.limits, lanes.slow))
-        self._asked = 0
-        self._aside = set[asyncio.Task[None]]()
+    def __init__(self, socket: Socket, desk: Workspace, lanes: WorkerPool, *, token: str) -> None:
+        self.socket, self.workspace, self.workers, self.token = socket, desk, lanes, token
+        self.quick, self.limits, self.slow = map(
+            LatestOnlyQueue, (lanes.quick, lanes.limits, lanes.slow)
+        )
+        self._latest_question = 0
+        self._background_tasks = set[asyncio.Task[None]]()
         self._jobs: dict[int, asyncio.Task[None]] = {}
-        self.parcel = Parcel()
+        self.upload = Upload()
         self.lang = "en"
-        self.who, self.back = "", False
+        self.draft_owner, self.reconnected = "", False
         """As whom this page keeps drafts, and whether it did so before it lost its socket."""
         self.file: int | None = None
         self._sending = asyncio.Lock()
-        self._seen: Stamp = (0, 0, 0)
-        self._rest: asyncio.Task[None] | None = None
-        self._lived: dict[tuple[str, str], Json] = {}
+        self._file_stamp: FileChangeStamp = (0, 0, 0)
+        self._delayed_verdict: asyncio.Task[None] | None = None
+        self._campaign_lives: dict[tuple[str, str], Json] = {}
         """Lives of campaigns that were asked, by text and language: to be held side by side."""
-        self._beside: dict[Path, Stamp] = {}
+        self._referenced_stamps: dict[Path, FileChangeStamp] = {}
         """Files that the text on the page names, as they were when it was answered."""
 
     async def run(self) -> None:
@@ -116,12 +124,17 @@ class Session:
             for task in done:
                 task.result()
         finally:
-            rest = (*loops, *self._aside, *self._jobs.values(), *filter(None, [self._rest]))
+            rest = (
+                *loops,
+                *self._background_tasks,
+                *self._jobs.values(),
+                *filter(None, [self._delayed_verdict]),
+            )
             for task in rest:
                 task.cancel()
             await asyncio.gather(*rest, return_exceptions=True)
-            self.desk.leave(self.who)
-            self.parcel.close()
+            self.workspace.release_owner(self.draft_owner)
+            self.upload.close()
 
     # ------------------------------------------------------------------- what the page says
 
@@ -130,12 +143,12 @@ class Session:
             try:
                 said = json.loads(await self.socket.receive_text())
             except (ValueError, RecursionError):
-                raise Wrong from None
+                raise InvalidMessageError from None
             if not isinstance(said, dict):
-                raise Wrong
-            await self._hear(said)
+                raise InvalidMessageError
+            await self._dispatch(said)
 
-    async def _hear(self, said: Json) -> None:
+    async def _dispatch(self, said: Json) -> None:
         heard = {
             "hello": self._hello, "open": self._open, "ask": self._ask, "pose": self._ask_pose,
             "help": self._ask_help, "keep": self._keep, "drop": self._drop, "save": self._save,
@@ -144,95 +157,100 @@ class Session:
         }  # fmt: skip
         handle = heard.get(str(said.get("type")))
         if handle is None:
-            raise Wrong
+            raise InvalidMessageError
         try:
             if "bytes" in said:  # it stands for a message that is longer than any that is read
-                size, most = jobs.number(said["bytes"], most=inf) / 1e6, MESSAGE / 1e6
-                msg = (
-                    f"what is asked takes {size:.0f} MB, more than the {most:.0f} MB that are read"
+                size, most = (
+                    jobs.bounded_number(said["bytes"], most=inf) / 1e6,
+                    MAX_MESSAGE_BYTES / 1e6,
                 )
-                raise TooMuch(msg)
+                msg = f"the request takes {size:.0f} MB, more than the {most:.0f} MB that are read"
+                raise MessageTooLargeError(msg)
             await handle(said)
-        except TooMuch as error:
-            await self._refuse(said, Language(self.lang).typeset.error(str(error)))
+        except MessageTooLargeError as error:
+            await self._refuse(said, Translator(self.lang).with_minus_sign.error(str(error)))
 
     async def _refuse(self, said: Json, why: str) -> None:
         """Tell that something is not done, where its answer was waited for."""
         kind, number = said["type"], said.get("id")
         if kind == "job":
-            await self._tell("done", id=number, job=said.get("job"), fault=why)
-        elif kind in ASKED:
+            await self._send("done", id=number, job=said.get("job"), fault=why)
+        elif kind in RESPONSE_KIND_BY_MESSAGE:
             held = kind == "ask" and said.get("held") is True
-            await self._tell("moved" if held else ASKED[kind], id=number, fault=why)
+            await self._send(
+                "moved" if held else RESPONSE_KIND_BY_MESSAGE[kind], id=number, fault=why
+            )
         else:
-            await self._tell("refused", what=kind, file=said.get("file", 0), why=why)
+            await self._send("refused", what=kind, file=said.get("file", 0), why=why)
 
     async def _hello(self, said: Json) -> None:
-        self.lang = said["lang"] if said.get("lang") in CODES else "en"
-        say = Language(self.lang)
-        if not self.who:
-            was = jobs.text(said, "was", 40) if "was" in said else ""
-            self.who = self.desk.enter(was)
-            self.back = self.who == was
-        await self._tell(
+        self.lang = said["lang"] if said.get("lang") in LANGUAGE_CODES else "en"
+        say = Translator(self.lang)
+        if not self.draft_owner:
+            was = jobs.text_field(said, "was", 40) if "was" in said else ""
+            self.draft_owner = self.workspace.register_owner(was)
+            self.reconnected = self.draft_owner == was
+        await self._send(
             "welcome",
             version=__version__,
-            who=self.who,
+            who=self.draft_owner,
             token=self.token,
             lang=self.lang,
-            languages=words.languages(),
-            texts=words.texts(say),
-            quantities=words.quantities(say),
-            catalogue=words.catalogue(),
-            longest=MESSAGE,
+            languages=words.language_codes(),
+            texts=words.translated_texts(say),
+            quantities=words.quantity_explanations(say),
+            catalogue=words.shipped_joints_and_tubes(),
+            longest=MAX_MESSAGE_BYTES,
             profiles=list(profiles()),
-            files=[p.name for p in self.desk.papers],
+            files=[p.name for p in self.workspace.files],
         )
 
     async def _pin(self, said: Json) -> None:
-        number, variants = self._number(said), jobs.texts(said, "variants")
+        number, variants = self._file_number(said), jobs.variants_field(said, "variants")
         with suppress(CardanError, OSError):
-            await asyncio.to_thread(self.desk.pin, number, variants, by=self.who)
-            await self._tell("kept", file=number)
+            await asyncio.to_thread(
+                self.workspace.keep_variants, number, variants, by=self.draft_owner
+            )
+            await self._send("kept", file=number)
 
     async def _create(self, said: Json) -> None:
-        title, text = jobs.text(said, "title", 300), jobs.text(said, "text")
+        title, text = jobs.text_field(said, "title", 300), jobs.text_field(said, "text")
         try:
-            number = await asyncio.to_thread(self.desk.create, title, text)
+            number = await asyncio.to_thread(self.workspace.create, title, text)
         except (CardanError, OSError) as error:
-            await self._tell("refused", what="create", file=0, why=self._why(error))
+            await self._send("refused", what="create", file=0, why=self._error_text(error))
             return
-        await self._tell("files", files=[p.name for p in self.desk.papers])
+        await self._send("files", files=[p.name for p in self.workspace.files])
         await self._open({"file": number})
 
     async def _open(self, said: Json) -> None:
-        number = self._number(said)
-        self._look(number)
-        self._beside = {}
+        number = self._file_number(said)
+        self._note_file_stamp(number)
+        self._referenced_stamps = {}
         try:
-            word = Language(self.lang)("not saved")
+            word = Translator(self.lang)("not saved")
             opened = await asyncio.to_thread(
-                self.desk.open, number, by=self.who, back=self.back, word=word
+                self.workspace.open, number, by=self.draft_owner, back=self.reconnected, word=word
             )
         except CardanError as error:
-            why = f"{self.desk.papers[number].name}: {self._why(error)}"
-            await self._tell("refused", what="open", file=number, why=why)
+            why = f"{self.workspace.files[number].name}: {self._error_text(error)}"
+            await self._send("refused", what="open", file=number, why=why)
             return
         self.file = number
-        await self._tell("opened", **opened)
+        await self._send("opened", **opened)
 
-    def _look(self, number: int) -> None:
+    def _note_file_stamp(self, number: int) -> None:
         """Take note of how a file is on disk, before it is read."""
-        self._seen = self.desk.papers[number].stamp()
+        self._file_stamp = self.workspace.files[number].stamp()
 
     async def _ask(self, said: Json) -> None:
-        if self._rest:
-            self._rest.cancel()
+        if self._delayed_verdict:
+            self._delayed_verdict.cancel()
         for lane in (self.limits, self.slow):
-            lane.drop()
+            lane.clear()
         held = said.get("held") is True
         question = self._question(said, "held" if held else "live")
-        self._asked = question["id"]
+        self._latest_question = question["id"]
         self.quick.put(question)
         if held:
             self.limits.put({**question, "job": "graded"})
@@ -245,27 +263,31 @@ class Session:
 
     async def _start(self, said: Json) -> None:
         job = said.get("job")
-        if not isinstance(job, str) or job not in jobs.ARGUMENTS:
-            raise Wrong
-        if len(self._jobs) >= jobs.MOST:
-            await self._tell("done", id=jobs.whole(said, "id", 2**53), job=job, fault="too many")
+        if not isinstance(job, str) or job not in jobs.JOB_ARGUMENTS:
+            raise InvalidMessageError
+        if len(self._jobs) >= jobs.MAX_JOBS_PER_PAGE:
+            await self._send(
+                "done", id=jobs.integer_field(said, "id", 2**53), job=job, fault="too many"
+            )
             return
         question = self._question(said, job)
-        question["args"] = args = jobs.arguments(job, said.get("args"))
+        question["args"] = args = jobs.read_arguments(job, said.get("args"))
         if job in ("recording", "life"):
-            if self.parcel.here is None:
-                await self._tell("done", id=question["id"], job=job, fault="nothing brought")
+            if self.upload.complete_file is None:
+                await self._send("done", id=question["id"], job=job, fault="nothing brought")
                 return
-            args["recording"] = self.parcel.here
+            args["recording"] = self.upload.complete_file
         elif job == "report" and self.file is not None:
             with suppress(CardanError):
-                print_ = await asyncio.to_thread(self.desk.print_of, self.file, question["text"])
+                print_ = await asyncio.to_thread(
+                    self.workspace.file_fingerprint, self.file, question["text"]
+                )
                 args["print"] = print_
         elif job == "library":
             args |= {"folder": question["folder"], "texts": await self._texts()}
         elif files := args.pop("files", []):
             every = {row["file"]: row for row in await self._texts()}
-            if first := every.get(self._number(said)):
+            if first := every.get(self._file_number(said)):
                 question |= {"text": first["text"], "name": first["name"]}
             args["same"] = False
             args["variants"] = [
@@ -273,197 +295,217 @@ class Session:
             ]
         if job == "compare":
             texts = question["text"], *(v["text"] for v in args.get("variants", []))
-            args["lives"] = [self._lived.get((text, self.lang), {}) for text in texts]
+            args["lives"] = [self._campaign_lives.get((text, self.lang), {}) for text in texts]
         number = question["id"]
         if number in self._jobs:
-            raise Wrong
-        task = self._jobs[number] = asyncio.create_task(self._work(question))
+            raise InvalidMessageError
+        task = self._jobs[number] = asyncio.create_task(self._run_job(question))
         task.add_done_callback(lambda _: self._jobs.pop(number, None))
         await asyncio.sleep(0)  # it begins: who is cancelled before would tell nobody
 
     async def _bring(self, said: Json) -> None:
-        await self._bear(self.parcel.begin, said)
+        await self._continue_upload(self.upload.begin, said)
 
     async def _piece(self, said: Json) -> None:
-        await self._bear(self.parcel.take, said)
+        await self._continue_upload(self.upload.append_chunk, said)
 
-    async def _bear(self, how: Callable[[Json], None], said: Json) -> None:
+    async def _continue_upload(self, how: Callable[[Json], None], said: Json) -> None:
         """Go on with a recording, and tell how much of it has come, or why none does."""
         try:
             await asyncio.to_thread(how, said)
         except (CardanError, OSError) as error:
-            self.parcel.close()
-            await self._tell("refused", what="bring", file=0, why=self._why(error))
+            self.upload.close()
+            await self._send("refused", what="bring", file=0, why=self._error_text(error))
             return
-        p = self.parcel
-        await self._tell("brought", id=p.id, name=p.name, got=p.got, size=p.size)
+        p = self.upload
+        await self._send("brought", id=p.id, name=p.name, got=p.received_bytes, size=p.size)
 
     async def _texts(self) -> list[Json]:
         """Return what the files on the desk say, a draft before what is saved."""
-        return await asyncio.to_thread(self.desk.texts)
+        return await asyncio.to_thread(self.workspace.current_texts)
 
     async def _freeze(self, said: Json) -> None:
-        number, text = self._number(said), jobs.text(said, "text")
-        by, note = jobs.text(said, "by", 100), jobs.text(said, "note", 300)
-        task = asyncio.create_task(self._frozen(number, text, by, note))
-        self._aside.add(task)
-        task.add_done_callback(self._aside.discard)
+        number, text = self._file_number(said), jobs.text_field(said, "text")
+        by, note = jobs.text_field(said, "by", 100), jobs.text_field(said, "note", 300)
+        task = asyncio.create_task(self._release_revision(number, text, by, note))
+        self._background_tasks.add(task)
+        task.add_done_callback(self._background_tasks.discard)
 
-    async def _frozen(self, number: int, text: str, by: str, note: str) -> None:
+    async def _release_revision(self, number: int, text: str, by: str, note: str) -> None:
         """Freeze a text, while a hand goes on: what it names may be gigabytes to be read."""
         try:
-            found = await asyncio.to_thread(self.desk.freeze, number, text, by=by, note=note)
+            found = await asyncio.to_thread(self.workspace.freeze, number, text, by=by, note=note)
         except (CardanError, OSError) as error:
-            await self._tell("refused", what="freeze", file=number, why=self._why(error))
+            await self._send("refused", what="freeze", file=number, why=self._error_text(error))
             return
-        await self._tell("frozen", file=number, revisions=found)
+        await self._send("frozen", file=number, revisions=found)
 
     async def _cancel(self, said: Json) -> None:
-        task = self._jobs.get(jobs.whole(said, "id", 2**53))
+        task = self._jobs.get(jobs.integer_field(said, "id", 2**53))
         if task:
             task.cancel()
 
-    async def _work(self, question: Json) -> None:
+    async def _run_job(self, question: Json) -> None:
         """Answer a job, part by part; who cancels one that takes long ends the process it is in."""
         which = {"id": question["id"], "job": question["job"]}
 
         async def part(told: Json) -> None:
-            await self._tell("part", **which, part=told)
+            await self._send("part", **which, part=told)
 
         try:
-            if question["job"] in jobs.LIGHT:
-                answer = await asyncio.shield(self.lanes.limits.ask(question, part))
+            if question["job"] in jobs.JOBS_RUN_WITHOUT_QUEUE:
+                answer = await asyncio.shield(self.workers.limits.ask(question, part))
             else:
-                beside = question["job"] in jobs.BESIDE and not question["args"].get("sought")
-                lane = self.lanes.beside if beside else self.lanes.work
+                beside = question["job"] in jobs.JOBS_QUEUED_SEPARATELY_FOR_VIEWS and not question[
+                    "args"
+                ].get("sought")
+                lane = self.workers.view_jobs if beside else self.workers.jobs
                 answer = await lane.ask(question, part)
         except asyncio.CancelledError:
-            await self._tell("done", **which, fault="cancelled")
+            await self._send("done", **which, fault="cancelled")
             return
         answer.pop("text", None)
         if lives := answer.get("lives"):
-            self._lived[question["text"], question["lang"]] = lives
-            for old in list(self._lived)[: -jobs.VARIANTS - 1]:
-                del self._lived[old]
-        await self._tell("done", **which, **answer)
+            self._campaign_lives[question["text"], question["lang"]] = lives
+            for old in list(self._campaign_lives)[: -jobs.MAX_VARIANTS - 1]:
+                del self._campaign_lives[old]
+        await self._send("done", **which, **answer)
 
     async def _keep(self, said: Json) -> None:
-        number, text = self._number(said), jobs.text(said, "text")
-        base = jobs.text(said, "mark")
+        number, text = self._file_number(said), jobs.text_field(said, "text")
+        base = jobs.text_field(said, "mark")
         try:
-            await asyncio.to_thread(self.desk.keep, number, text, base, by=self.who)
+            await asyncio.to_thread(
+                self.workspace.keep_draft, number, text, base, by=self.draft_owner
+            )
         except (CardanError, OSError) as error:
-            await self._tell("refused", what="keep", file=number, why=self._why(error))
+            await self._send("refused", what="keep", file=number, why=self._error_text(error))
         else:
-            await self._tell("kept", file=number)
+            await self._send("kept", file=number)
 
     async def _drop(self, said: Json) -> None:
         with suppress(OSError):
-            await asyncio.to_thread(self.desk.drop, self._number(said), by=self.who)
+            await asyncio.to_thread(
+                self.workspace.discard_draft, self._file_number(said), by=self.draft_owner
+            )
 
     async def _save(self, said: Json) -> None:
-        number, text = self._number(said), jobs.text(said, "text")
-        base = jobs.text(said, "mark")
+        number, text = self._file_number(said), jobs.text_field(said, "text")
+        base = jobs.text_field(said, "mark")
         try:
-            new = await asyncio.to_thread(self.desk.save, number, text, base, by=self.who)
-        except Conflict:
-            await self._tell_disk(number, conflict=True)
+            new = await asyncio.to_thread(
+                self.workspace.save, number, text, base, by=self.draft_owner
+            )
+        except EditConflictError:
+            await self._send_disk_state(number, conflict=True)
         except (CardanError, OSError) as error:
-            await self._tell("refused", what="save", file=number, why=self._why(error))
+            await self._send("refused", what="save", file=number, why=self._error_text(error))
         else:
-            self._look(number)
-            await self._tell("saved", file=number, mark=new, text=text)
+            self._note_file_stamp(number)
+            await self._send("saved", file=number, mark=new, text=text)
 
     # ------------------------------------------------------------------- what it is told
 
-    async def _answer(self, lane: Latest) -> None:
+    async def _answer(self, lane: LatestOnlyQueue) -> None:
         while True:
-            question, answer = await lane.take()
+            question, answer = await lane.get()
             job, text = question["job"], answer.get("text")
             if (beside := answer.pop("beside", None)) is not None:
-                self._beside = {Path(path): (*of,) for path, *of in beside}
+                self._referenced_stamps = {Path(path): (*of,) for path, *of in beside}
             if job != "live":
                 answer.pop("text", None)  # the page has one: no other is kept before it lets go
-            if job in ANSWERS:
-                await self._tell(ANSWERS[job], id=question["id"], **answer)
+            if job in RESPONSE_KIND_BY_JOB:
+                await self._send(RESPONSE_KIND_BY_JOB[job], id=question["id"], **answer)
             told = {"problems", "fault", "campaign"} & answer.keys()
             whole = job in ("live", "graded") and not told
-            if whole and question["id"] == self._asked:
+            if whole and question["id"] == self._latest_question:
                 later = {k: question[k] for k in ("id", "name", "folder", "lang")}
                 later |= {"job": "full", "text": text}
                 # A hand that moves on has not asked for it: it would only be slowed down.
-                self._rest = asyncio.create_task(self._later(later, REST * (job == "graded")))
+                self._delayed_verdict = asyncio.create_task(
+                    self._put_after(later, VERDICT_DELAY_AFTER_EDIT_S * (job == "graded"))
+                )
             # What is asked for next: a hand takes hold of it, or a job.
-            if job == "live" and self.lanes.limits.pid is None:
-                await self.lanes.limits.start()
-            if job == "full" and question["id"] == self._asked:
+            if job == "live" and self.workers.limits.pid is None:
+                await self.workers.limits.start()
+            if job == "full" and question["id"] == self._latest_question:
                 self.limits.put({**question, "job": "ready"})
             if lane is self.slow:
-                for later in (self.lanes.work, self.lanes.beside):
+                for later in (self.workers.jobs, self.workers.view_jobs):
                     if later.pid is None:
                         await later.start()
 
-    async def _later(self, question: Json, after: float) -> None:
+    async def _put_after(self, question: Json, after: float) -> None:
         await asyncio.sleep(after)
         self.slow.put(question)
 
     async def _watch(self) -> None:
         while True:
-            await asyncio.sleep(WATCH)
+            await asyncio.sleep(DISK_POLL_INTERVAL_S)
             number = self.file
-            if number is not None and self.desk.papers[number].stamp() != self._seen:
-                await self._tell_disk(number, conflict=False)
-            if number is not None and any(stamp(p) != of for p, of in self._beside.items()):
-                self._beside = {}  # until it is asked again
-                self._lived.clear()
-                await self._tell("beside", file=number)
+            if number is not None and self.workspace.files[number].stamp() != self._file_stamp:
+                await self._send_disk_state(number, conflict=False)
+            if number is not None and any(
+                file_stamp(p) != of for p, of in self._referenced_stamps.items()
+            ):
+                self._referenced_stamps = {}  # until it is asked again
+                self._campaign_lives.clear()
+                await self._send("beside", file=number)
 
-    async def _tell_disk(self, number: int, *, conflict: bool) -> None:
+    async def _send_disk_state(self, number: int, *, conflict: bool) -> None:
         """Tell what a file is on disk now."""
-        self._look(number)
+        self._note_file_stamp(number)
         try:
-            text = await asyncio.to_thread(self.desk.papers[number].read)
+            text = await asyncio.to_thread(self.workspace.files[number].read)
         except CardanError as error:
-            gone = not self.desk.papers[number].path.exists()
-            why = "is no longer there" if gone else self._why(error)
-            await self._tell("refused", what="read", file=number, why=why)
+            gone = not self.workspace.files[number].path.exists()
+            why = "is no longer there" if gone else self._error_text(error)
+            await self._send("refused", what="read", file=number, why=why)
             return
-        await self._tell("disk", file=number, text=text, mark=mark(text), conflict=conflict)
+        await self._send(
+            "disk", file=number, text=text, mark=text_fingerprint(text), conflict=conflict
+        )
 
-    def _why(self, error: CardanError | OSError) -> str:
+    def _error_text(self, error: CardanError | OSError) -> str:
         """Return why a file could not be read or written, in the page's language."""
-        said = readable(error) if isinstance(error, CardanError) else str(error.strerror)
-        return Language(self.lang).typeset.error(said)
+        said = (
+            error_text_without_path(error)
+            if isinstance(error, CardanError)
+            else str(error.strerror)
+        )
+        return Translator(self.lang).with_minus_sign.error(said)
 
-    async def _tell(self, kind: str, **what: Any) -> None:
+    async def _send(self, kind: str, **what: Any) -> None:
         data = json.dumps({"type": kind, **what}, ensure_ascii=False, separators=(",", ":"))
         data = data.encode("utf-8", "replace").decode()
-        async with self._sending, asyncio.timeout(SLOWEST):
+        async with self._sending, asyncio.timeout(SEND_TIMEOUT_S):
             await self.socket.send_text(data)
 
     # ------------------------------------------------------------------- shapes
 
-    def _number(self, said: Json) -> int:
-        number = jobs.whole(said, "file", 2**53)
-        if number >= len(self.desk.papers):
-            raise Wrong
+    def _file_number(self, said: Json) -> int:
+        number = jobs.integer_field(said, "file", 2**53)
+        if number >= len(self.workspace.files):
+            raise InvalidMessageError
         return number
 
     def _question(self, said: Json, job: str) -> Json:
         """Return what the page asks, as a worker takes it: nothing else gets through."""
         question: Json = {
             "job": job,
-            "id": jobs.whole(said, "id", 2**53),
-            "text": jobs.text(said, "text"),
-            "name": self.desk.papers[self.file].name if self.file is not None else "application",
-            "folder": str(self.desk.folder),
+            "id": jobs.integer_field(said, "id", 2**53),
+            "text": jobs.text_field(said, "text"),
+            "name": self.workspace.files[self.file].name
+            if self.file is not None
+            else "application",
+            "folder": str(self.workspace.folder),
             "lang": self.lang,
-            "pose": _pose(said.get("pose")),
+            "pose": _pose_field(said.get("pose")),
         }
         if (drag := said.get("drag")) is not None:
-            question["drag"] = _drag(drag)
+            question["drag"] = _drag_field(drag)
         if (edits := said.get("edits")) is not None:
-            question["edits"] = _edits(edits)
+            question["edits"] = _edits_field(edits)
         if (want := said.get("want")) is not None:
             question["want"] = [
                 w for w in ("curves", "turn") if isinstance(want, list) and w in want
@@ -471,55 +513,57 @@ class Session:
         return question
 
 
-def _pose(said: Any) -> Json:
+def _pose_field(said: Any) -> Json:
     """Return a pose: of a line, in a state or where sliders have it."""
     if said is None:
         return {}
     if not isinstance(said, dict):
-        raise Wrong
+        raise InvalidMessageError
     most = {"line": 100, "state": 1000}
     pose: Json = {
-        k: jobs.whole(said, k, below) for k, below in most.items() if said.get(k) is not None
+        k: jobs.integer_field(said, k, below)
+        for k, below in most.items()
+        if said.get(k) is not None
     }
     for key in ("travel_mm", "torque_Nm"):
         if said.get(key) is not None:
-            pose[key] = jobs.number(said[key], most=1e9)
+            pose[key] = jobs.bounded_number(said[key], most=1e9)
     if said.get("way") is not None:
-        if said["way"] not in get_args(Direction):
-            raise Wrong
+        if said["way"] not in get_args(DriveMode):
+            raise InvalidMessageError
         pose["way"] = said["way"]
     return pose
 
 
-def _drag(said: Any) -> Json:
+def _drag_field(said: Any) -> Json:
     """Return a drag: what is held, and how far it has been moved, mm."""
-    if not isinstance(said, dict) or said.get("kind") not in KINDS:
-        raise Wrong
+    if not isinstance(said, dict) or said.get("kind") not in HANDLE_KINDS:
+        raise InvalidMessageError
     by = said.get("by_mm")
     if not isinstance(by, list) or len(by) != 3:
-        raise Wrong
+        raise InvalidMessageError
     return {
         "kind": said["kind"],
-        "number": jobs.whole(said, "number", 10_000),
-        "line": jobs.text(said, "line"),
-        "by_mm": [jobs.number(b, most=FARTHEST) for b in by],
+        "number": jobs.integer_field(said, "number", 10_000),
+        "line": jobs.text_field(said, "line"),
+        "by_mm": [jobs.bounded_number(b, most=MAX_DRAG_MM) for b in by],
     }
 
 
-def _edits(said: Any) -> Json:
+def _edits_field(said: Any) -> Json:
     """Return edits: numbers, names or lists of numbers by their addresses."""
     if not isinstance(said, dict):
-        raise Wrong
+        raise InvalidMessageError
     found: Json = {}
-    for at in jobs.several({"changes": [*said]}, "changes", 200):
-        to = said[jobs.text({"address": at}, "address", 300)]
+    for at in jobs.list_field({"changes": [*said]}, "changes", 200):
+        to = said[jobs.text_field({"address": at}, "address", 300)]
         if isinstance(to, list):
-            found[at] = [jobs.number(t, most=1e12) for t in jobs.several(said, at, 20)]
+            found[at] = [jobs.bounded_number(t, most=1e12) for t in jobs.list_field(said, at, 20)]
         elif isinstance(to, str):
-            found[at] = jobs.text(said, at, 300)
+            found[at] = jobs.text_field(said, at, 300)
             if not to.isprintable():
-                msg = f"{at} would hold a character that nobody sees"
-                raise TooMuch(msg)
+                msg = f"{at} would hold an invisible character"
+                raise MessageTooLargeError(msg)
         else:
-            found[at] = jobs.number(to, most=1e12)
+            found[at] = jobs.bounded_number(to, most=1e12)
     return found

@@ -8,49 +8,50 @@ so it never outlives who started it; what takes too long is ended from outside.
 import gc
 import json
 import os
-import signal
 import struct
 import sys
 from contextlib import suppress
 from typing import Any, BinaryIO
 
-LENGTH = struct.Struct(">I")
-MOST = 64_000_000
+from cardan.core.interrupts import ignore_interrupts
+
+FRAME_LENGTH_STRUCT = struct.Struct(">I")
+MAX_FRAME_BYTES = 64_000_000
 """Bytes of a question or an answer."""
 
-PART = "part"
+PARTIAL_RESULT_KEY = "part"
 """The key of what is not the answer yet."""
 
-MEMORY = 4_000_000_000
+MAX_MEMORY_BYTES = 4_000_000_000
 """Bytes of address space, where a process can be held to that."""
 
-CPU = 1800
+MAX_CPU_S = 1800
 """Seconds of processors that an answer may take: past them the system ends the process."""
 
 
 def main() -> None:
     """Answer until nobody asks."""
-    questions, answers = _alone()
-    _limit()
+    questions, answers = _open_streams()
+    _limit_resources()
     if "patient" in sys.argv[1:] and hasattr(os, "nice"):
         os.nice(10)
-    from cardan.web.answer import answer, named
+    from cardan.web.handlers import handle_request, referenced_file_stamps
 
     def write(found: dict[str, Any]) -> None:
         said = json.dumps(found, ensure_ascii=False, separators=(",", ":"))
         data = said.encode("utf-8", "surrogatepass")  # half a letter, as it came
         try:
-            answers.write(LENGTH.pack(len(data)) + data)
+            answers.write(FRAME_LENGTH_STRUCT.pack(len(data)) + data)
             answers.flush()
         except BrokenPipeError:  # who asked is gone
             os._exit(0)
 
-    while (question := _read(questions)) is not None:
-        _allow()
+    while (question := _read_frame(questions)) is not None:
+        _extend_cpu_limit()
         try:
-            found = answer(question, lambda part: write({PART: part}))
+            found = handle_request(question, lambda part: write({PARTIAL_RESULT_KEY: part}))
             if question["job"] == "live":
-                found["beside"] = named(question, found["text"])
+                found["beside"] = referenced_file_stamps(question, found["text"])
         except MemoryError:
             found = {"fault": "MemoryError"}
         except Exception as error:  # noqa: BLE001  a fault of ours is told, and asked about again
@@ -61,9 +62,9 @@ def main() -> None:
         write(found)
 
 
-def _alone() -> tuple[BinaryIO, BinaryIO]:
+def _open_streams() -> tuple[BinaryIO, BinaryIO]:
     """Return the streams of questions and answers; whatever else is printed goes elsewhere."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # who asked ends both
+    ignore_interrupts()  # who asked ends both
     # What a check makes lasts as long as it does; see `cardan.cli.main`.
     gc.set_threshold(50_000, 20, 50)
     answers = os.fdopen(os.dup(1), "wb")
@@ -71,33 +72,33 @@ def _alone() -> tuple[BinaryIO, BinaryIO]:
     return sys.stdin.buffer, answers
 
 
-def _limit() -> None:
+def _limit_resources() -> None:
     with suppress(ImportError, ValueError, OSError):
         import resource
 
         resource.setrlimit(resource.RLIMIT_CORE, (0, resource.getrlimit(resource.RLIMIT_CORE)[1]))
         _, hard = resource.getrlimit(resource.RLIMIT_AS)
-        most = MEMORY if hard == resource.RLIM_INFINITY else min(MEMORY, hard)
+        most = MAX_MEMORY_BYTES if hard == resource.RLIM_INFINITY else min(MAX_MEMORY_BYTES, hard)
         resource.setrlimit(resource.RLIMIT_AS, (most, hard))
 
 
-def _allow() -> None:
+def _extend_cpu_limit() -> None:
     """Give the next answer its seconds of processors."""
     with suppress(ImportError, ValueError, OSError):
         import resource
 
         used = resource.getrusage(resource.RUSAGE_SELF)
         _, hard = resource.getrlimit(resource.RLIMIT_CPU)
-        most = int(used.ru_utime + used.ru_stime) + CPU
+        most = int(used.ru_utime + used.ru_stime) + MAX_CPU_S
         resource.setrlimit(resource.RLIMIT_CPU, (most, hard))
 
 
-def _read(stream: BinaryIO) -> dict[str, Any] | None:
+def _read_frame(stream: BinaryIO) -> dict[str, Any] | None:
     """Return the next question; None where there is no more."""
-    head = stream.read(LENGTH.size)
-    if len(head) < LENGTH.size:
+    head = stream.read(FRAME_LENGTH_STRUCT.size)
+    if len(head) < FRAME_LENGTH_STRUCT.size:
         return None
-    size = LENGTH.unpack(head)[0]
+    size = FRAME_LENGTH_STRUCT.unpack(head)[0]
     data = stream.read(size)
     return json.loads(data) if len(data) == size else None
 

@@ -1,0 +1,1 @@
+"""Application files: sections, catalogues, limit profiles, plausibility, editing."""

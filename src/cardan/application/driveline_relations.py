@@ -1,0 +1,593 @@
+"""Relations between the values of shafts, joints, bearings and where a line runs."""
+
+from math import nan
+
+import numpy as np
+
+from cardan.application.relation_context import (
+    ComparedValue,
+    ComparedValues,
+    LineContext,
+    RelationContext,
+    ratio,
+)
+from cardan.application.source_location import locate_yaml_address
+from cardan.application.typical_values import find_csv_row_by_name, shipped_csv_rows
+from cardan.core.arrays import FloatArray
+from cardan.core.units import GPa, MPa, deg, mm
+from cardan.model.layout import Layout
+from cardan.model.parts import Tube
+from cardan.physics.kinematics.joint_chain import rotate_chain
+
+MIN_COMPARED_EQUIVALENT_ANGLE = 0.8 * deg
+"""Below it a line turns evenly however its yokes stand."""
+
+LEAST_COMPARED_ANGLE = 0.1 * deg
+"""Equivalent angle of a line that turns evenly: what is compared with it stays a number."""
+
+STEEL_MODULUS_RANGE = (150 * GPa, 250 * GPa)
+"""Young's modulus of what is taken for steel, Pa."""
+
+PRINTED_SIZE_TOLERANCE = 0.01
+"""Makers print the sizes of inch tubes in mm, rounded."""
+
+
+# --- shafts
+
+
+def slenderness(of: RelationContext) -> ComparedValues:
+    """Length of a shaft over its tube's diameter."""
+    for line in of.lines:
+        for at, shaft, length in line.shafts:
+            if shaft.tube:
+                keys = f"{at}.length", f"{line.at}.points", f"{at}.tube.outer", f"{at}.tube"
+                yield ComparedValue(keys, length / shaft.tube.outer, (f"{at}.tube",))
+
+
+def tube_thinness(of: RelationContext) -> ComparedValues:
+    """Diameter of a tube over its wall."""
+    for at, shaft, _ in of.shafts:
+        tube = shaft.tube
+        if tube and tube.inner > 1e-3 * tube.outer:  # a solid bar is meant
+            keys = f"{at}.tube.wall", f"{at}.tube"
+            yield ComparedValue(keys, tube.outer / tube.wall, (f"{at}.tube.outer",))
+
+
+def bearing_place(of: RelationContext) -> ComparedValues:
+    """Distance of a centre bearing from the rear joint over the shaft's length."""
+    for line in of.lines:
+        for at, shaft, length in line.shafts:
+            if bearing := shaft.centre_bearing:
+                keys = (f"{at}.centre_bearing.from_rear_joint",)
+                against = (f"{at}.length", f"{line.at}.points")
+                yield ComparedValue(keys, bearing.from_rear_joint / length, against)
+
+
+def shafts_alike(of: RelationContext) -> ComparedValues:
+    """Longest over shortest shaft of a line, at the shorter one that is odd."""
+    for line in of.lines:
+        shafts = [(length, at) for at, _, length in line.shafts]
+        if len(shafts) > 1:
+            (shortest, at), (longest, other) = min(shafts), max(shafts)
+            keys = f"{at}.length", f"{line.at}.points"
+            yield ComparedValue(keys, longest / shortest, (f"{other}.length",))
+
+
+def spline_size(of: RelationContext) -> ComparedValues:
+    """Mean diameter of a spline over the tube's."""
+    for at, shaft, _ in of.shafts:
+        if shaft.spline and shaft.tube and shaft.spline.mean_radius:
+            keys = (f"{at}.spline.mean_radius",)
+            value = 2 * shaft.spline.mean_radius / shaft.tube.outer
+            yield ComparedValue(keys, value, (f"{at}.tube",))
+
+
+def spline_place(of: RelationContext) -> ComparedValues:
+    """Place of a spline from its front joint over the shaft's length."""
+    for line in of.lines:
+        for at, shaft, length in line.shafts:
+            if shaft.spline:
+                keys = (f"{at}.spline.from_front_joint",)
+                value = shaft.spline.from_front_joint / length
+                yield ComparedValue(keys, value, (f"{at}.length", f"{line.at}.points"))
+
+
+def spline_travel(of: RelationContext) -> ComparedValues:
+    """Travel of a spline in one direction over the shaft's length."""
+    for line in of.lines:
+        for at, shaft, length in line.shafts:
+            for name in ("plunge", "draw"):
+                travel = getattr(shaft.spline, name, None)
+                against = (f"{at}.length", f"{line.at}.points")
+                yield ComparedValue((f"{at}.spline.{name}",), ratio(travel, length), against)
+
+
+def spline_balance(of: RelationContext) -> ComparedValues:
+    """Travel of a spline in shortening over that in lengthening."""
+    for at, shaft, _ in of.shafts:
+        if shaft.spline:
+            value = ratio(shaft.spline.plunge, shaft.spline.draw)
+            keys = (f"{at}.spline.{'plunge' if value > 1 else 'draw'}",)
+            other = f"{at}.spline.{'draw' if value > 1 else 'plunge'}"
+            yield ComparedValue(keys, value, (other,))
+
+
+def spline_mass(of: RelationContext) -> ComparedValues:
+    """Mass of a spline over that of its tube."""
+    for at, shaft, length in of.shafts:
+        if shaft.spline and shaft.spline.mass and shaft.tube:
+            value = shaft.spline.mass / (shaft.tube.mass_per_length * length)
+            yield ComparedValue((f"{at}.spline.mass",), value, (f"{at}.tube",))
+
+
+def yoke_mass(of: RelationContext) -> ComparedValues:
+    """Mass of a shaft's heavier yoke over that of its tube."""
+    for at, shaft, length in of.shafts:
+        if shaft.tube:
+            tube = shaft.tube.mass_per_length * length
+            value = ratio(max(shaft.yoke_mass) or None, tube)
+            yield ComparedValue((f"{at}.yoke_mass",), value, (f"{at}.tube",))
+
+
+def yokes_alike(of: RelationContext) -> ComparedValues:
+    """Mass of a shaft's heavier yoke over that of its lighter one."""
+    for at, shaft, _ in of.shafts:
+        value = ratio(max(shaft.yoke_mass) or None, min(shaft.yoke_mass))
+        yield ComparedValue((f"{at}.yoke_mass",), value)
+
+
+def tubes_alike(of: RelationContext) -> ComparedValues:
+    """Diameter of a shaft's tube over that of shaft 1 of its line."""
+    for line in of.lines:
+        tubes = [(at, shaft.tube) for at, shaft, _ in line.shafts if shaft.tube]
+        for at, tube in tubes[1:]:
+            keys = f"{at}.tube.outer", f"{at}.tube"
+            yield ComparedValue(keys, tube.outer / tubes[0][1].outer, (f"{tubes[0][0]}.tube",))
+
+
+def yoke_size(of: RelationContext) -> ComparedValues:
+    """Mass of a shaft's heavier yoke over the peak torque of its joint, kg per kN m."""
+    for line in of.lines:
+        joints = line.installed.line.joints
+        for k, (at, shaft, _) in enumerate(line.shafts, 1):
+            peaks = [j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross"]
+            known = [p for p in peaks if p]
+            value = ratio(max(shaft.yoke_mass) or None, max(known, default=nan) / 1e3)
+            yield ComparedValue((f"{at}.yoke_mass",), value, (f"{line.at}.joints",))
+
+
+def given_inertia(of: RelationContext) -> ComparedValues:
+    """Given polar inertia of a shaft over that of its tube."""
+    for at, shaft, length in of.shafts:
+        if shaft.tube:
+            own = shaft.tube.polar_inertia_per_length * length
+            value = ratio(shaft.polar_inertia_given, own)
+            yield ComparedValue((f"{at}.polar_inertia",), value, (f"{at}.tube",))
+
+
+def strengths(of: RelationContext) -> ComparedValues:
+    """Yield over ultimate strength of a tube's material."""
+    for at, shaft, _ in of.shafts:
+        if shaft.tube:
+            m = shaft.tube.material
+            keys = f"{at}.tube.material.ultimate", f"{at}.tube.material", f"{at}.tube"
+            value = ratio(m.yield_strength, m.ultimate_strength)
+            yield ComparedValue(keys, value, (f"{at}.tube.material.yield",))
+
+
+def yield_strain(of: RelationContext) -> ComparedValues:
+    """Yield strength over Young's modulus of a tube's material, per mille."""
+    for at, shaft, _ in of.shafts:
+        if isinstance(shaft.tube, Tube):
+            m = shaft.tube.material
+            keys = f"{at}.tube.material.yield", f"{at}.tube.material", f"{at}.tube"
+            value = 1e3 * ratio(m.yield_strength, m.youngs_modulus)
+            yield ComparedValue(keys, value, (f"{at}.tube.material.youngs_modulus",))
+
+
+def steel_yield(of: RelationContext) -> ComparedValues:
+    """Yield strength of a tube's steel, MPa."""
+    low, high = STEEL_MODULUS_RANGE
+    for at, shaft, _ in of.shafts:
+        if isinstance(shaft.tube, Tube) and low < shaft.tube.material.youngs_modulus < high:
+            keys = f"{at}.tube.material.yield", f"{at}.tube.material", f"{at}.tube"
+            strength = shaft.tube.material.yield_strength
+            yield ComparedValue(keys, ratio(strength, MPa))
+
+
+def sound_speed(of: RelationContext) -> ComparedValues:
+    """Speed of sound along a bar of a tube's material, sqrt(E/rho), m/s."""
+    for at, shaft, _ in of.shafts:
+        if isinstance(shaft.tube, Tube):
+            m = shaft.tube.material
+            material = f"{at}.tube.material"
+            keys = f"{material}.youngs_modulus", material, f"{at}.tube"
+            value = (m.youngs_modulus / m.density) ** 0.5
+            yield ComparedValue(keys, value, (f"{material}.density",))
+
+
+# --- bearings
+
+
+def rubber_loss(of: RelationContext) -> ComparedValues:
+    """Loss factor of the rubber of a centre bearing, and of all rubber of a line."""
+    for line in of.lines:
+        for at, shaft, _ in line.shafts:
+            if shaft.centre_bearing:
+                value = ratio(shaft.centre_bearing.loss_factor, 1.0)
+                yield ComparedValue((f"{at}.centre_bearing.loss_factor",), value)
+    if torsion := of.application.torsion:
+        yield ComparedValue(("torsion.rubber_loss",), ratio(torsion.rubber_loss, 1.0))
+
+
+def rubber_directions(of: RelationContext) -> ComparedValues:
+    """Vertical over lateral stiffness of a centre bearing."""
+    for at, shaft, _ in of.shafts:
+        if (bearing := shaft.centre_bearing) and bearing.stiffness:
+            own = f"{at}.centre_bearing"
+            keys, against = (f"{own}.vertical_stiffness",), (f"{own}.lateral_stiffness",)
+            yield ComparedValue(keys, ratio(*bearing.stiffness), against)
+
+
+def flange_directions(of: RelationContext) -> ComparedValues:
+    """Vertical over lateral stiffness of a flange."""
+    for line in of.lines:
+        for end in ("gearbox", "pinion"):
+            flange = getattr(line.installed.line, f"{end}_flange")
+            if flange.stiffness:
+                own = f"{line.at}.{end}_flange"
+                keys, against = (f"{own}.vertical_stiffness",), (f"{own}.lateral_stiffness",)
+                yield ComparedValue(keys, ratio(*flange.stiffness), against)
+
+
+def rubber_bounce(of: RelationContext) -> ComparedValues:
+    """Natural frequency of the shafts' weight on a centre bearing, Hz.
+
+    Half of each shaft that meets at the bearing, with yokes and spline, on its vertical stiffness.
+    """
+    for line in of.lines:
+        shafts = list(line.shafts)
+        for k, (at, shaft, _) in enumerate(shafts[:-1]):
+            bearing, pair = shaft.centre_bearing, [s for _, s, _ in shafts[k : k + 2]]
+            if bearing and bearing.stiffness and all(s.tube for s in pair):
+                mass = sum(s.mass for s in pair) / 2
+                value = (bearing.stiffness[0] / mass) ** 0.5 / (2 * np.pi)
+                keys = (f"{at}.centre_bearing.vertical_stiffness", f"{at}.centre_bearing.stiffness")
+                yield ComparedValue(keys, value, (f"{at}.tube", f"{at}.yoke_mass"))
+
+
+def rubber_axial(of: RelationContext) -> ComparedValues:
+    """Stiffness of a centre bearing along the shaft over that across it."""
+    for at, shaft, _ in of.shafts:
+        if (bearing := shaft.centre_bearing) and bearing.stiffness:
+            value = ratio(bearing.axial_stiffness, max(bearing.stiffness))
+            keys = (f"{at}.centre_bearing.axial_stiffness",)
+            yield ComparedValue(keys, value, (f"{at}.centre_bearing.vertical_stiffness",))
+
+
+def flange_stiffness(of: RelationContext) -> ComparedValues:
+    """Stiffness of a flange over that of the line's firmest rubber."""
+    for line in of.lines:
+        soft = [s.centre_bearing.stiffness for _, s, _ in line.shafts if s.centre_bearing]
+        firm = max((max(k) for k in soft if k), default=None)
+        for end in ("gearbox", "pinion"):
+            flange = getattr(line.installed.line, f"{end}_flange")
+            if flange.stiffness:
+                keys = tuple(f"{line.at}.{end}_flange.{n}stiffness" for n in ("", "vertical_"))
+                against = (f"{line.at}.shafts[1].centre_bearing",)
+                yield ComparedValue(keys, ratio(min(flange.stiffness), firm), against)
+
+
+# --- joints
+
+
+def joint_ratings(of: RelationContext) -> ComparedValues:
+    """Fatigue ratings of a joint over its peak torque."""
+    for line in of.lines:
+        for k, joint in enumerate(line.installed.line.joints, 1):
+            if joint is None:
+                continue
+            ratings = {"reversing": joint.reversing_torque, "pulsating": joint.pulsating_torque}
+            for name, rating in ratings.items():
+                keys = f"{line.at}.joints.{name}", f"{line.at}.joints[{k}].{name}"
+                yield ComparedValue(keys, ratio(rating, joint.peak_torque), (f"{line.at}.joints",))
+
+
+def joint_reserve(of: RelationContext) -> ComparedValues:
+    """Peak torque of a joint over the line's largest torque with the shock factor."""
+    for line in of.lines:
+        share = line.installed.torque_ratio * line.installed.torque_share
+        given = of.application.torque
+        torque = share * of.application.shock_factor * (given or of.largest_torque)
+        source = "torque" if of.application.torque is not None else "engine.torque"
+        for k, joint in enumerate(line.installed.line.joints, 1):
+            if joint:
+                keys = f"{line.at}.joints[{k}]", f"{line.at}.joints"
+                against = (source, "gearbox.ratios") if source == "engine.torque" else (source,)
+                yield ComparedValue(keys, ratio(joint.peak_torque, torque or None), against)
+
+
+def double_cardan_distance(of: RelationContext) -> ComparedValues:
+    """Distance of the crosses of a double cardan joint over the diameter of the tube beside it."""
+    for line in of.lines:
+        shafts = [shaft for _, shaft, _ in line.shafts]
+        for k, joint in enumerate(line.installed.line.joints, 1):
+            tube = shafts[min(k, len(shafts)) - 1].tube
+            if joint and joint.kind == "double cardan" and tube:
+                keys = f"{line.at}.joints[{k}].centre_distance", f"{line.at}.joints[{k}]"
+                value = ratio(joint.centre_distance, tube.outer)
+                yield ComparedValue(keys, value, (f"{line.at}.shafts[{min(k, len(shafts))}].tube",))
+
+
+def joints_alike(of: RelationContext) -> ComparedValues:
+    """Largest over smallest peak torque of a line's crosses."""
+    for line in of.lines:
+        joints = line.installed.line.joints
+        peaks = [j.peak_torque for j in joints if j and j.kind == "cross" and j.peak_torque]
+        if len(peaks) > 1:
+            yield ComparedValue((f"{line.at}.joints",), max(peaks) / min(peaks))
+
+
+def tube_at_joint_peak(of: RelationContext) -> ComparedValues:
+    """Shear in a tube at the peak torque of its joints, MPa."""
+    for line in of.lines:
+        joints = line.installed.line.joints
+        for k, (at, shaft, _) in enumerate(line.shafts, 1):
+            peaks = [j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross"]
+            known = [p for p in peaks if p]
+            if known and isinstance(shaft.tube, Tube):
+                stress = min(known) * shaft.tube.outer / 4 / shaft.tube.second_moment
+                keys = f"{line.at}.joints[{k}]", f"{line.at}.joints"
+                yield ComparedValue(keys, stress / MPa, (f"{at}.tube",))
+
+
+def tube_for_joint(of: RelationContext) -> ComparedValues:
+    """Diameter of a tube (mm) over the cube root of its joint's peak torque (N m).
+
+    Shear at the peak torque is alike in tubes of one shape if their diameters keep to that root.
+    """
+    for line in of.lines:
+        joints = line.installed.line.joints
+        for k, (at, shaft, _) in enumerate(line.shafts, 1):
+            peaks = [j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross"]
+            if isinstance(shaft.tube, Tube) and any(peaks):
+                value = _diameter_for_torque(shaft.tube, max(p for p in peaks if p))
+                keys = f"{at}.tube.outer", f"{at}.tube"
+                yield ComparedValue(keys, value, (f"{line.at}.joints[{k}]", f"{line.at}.joints"))
+
+
+def tube_for_torque(of: RelationContext) -> ComparedValues:
+    """Diameter of a tube (mm) over the cube root of its torque with shocks (N m).
+
+    Of shafts without a cross that has a peak torque.
+    """
+    for line in of.lines:
+        joints = line.installed.line.joints
+        share = line.installed.torque_ratio * line.installed.torque_share
+        given = of.application.torque
+        torque = share * of.application.shock_factor * (given or of.largest_torque)
+        for k, (at, shaft, _) in enumerate(line.shafts, 1):
+            rated = any(j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross")
+            if isinstance(shaft.tube, Tube) and torque and not rated:
+                tube = f"{at}.tube.outer", f"{at}.tube"
+                keys, against = (tube, ("engine.torque",)) if given is None else (("torque",), tube)
+                yield ComparedValue(keys, _diameter_for_torque(shaft.tube, torque), against)
+
+
+def _diameter_for_torque(tube: Tube, torque: float) -> float:
+    return tube.outer / mm / torque ** (1 / 3)
+
+
+def tube_shear(of: RelationContext) -> ComparedValues:
+    """Shear in a tube under the torque that the file gives, MPa."""
+    for line in of.lines:
+        share = line.installed.torque_ratio * line.installed.torque_share
+        for at, shaft, _ in line.shafts:
+            if shaft.tube and of.application.torque:
+                polar = 2 * shaft.tube.second_moment
+                stress = of.application.torque * share * shaft.tube.outer / 2 / polar
+                yield ComparedValue(("torque",), stress / MPa, (f"{at}.tube",))
+
+
+def published_joint(of: RelationContext) -> ComparedValues:
+    """Peak torque of a shaft's larger joint over that of the joint a maker prints with its tube."""
+    for line in of.lines:
+        joints = line.installed.line.joints
+        for k, (at, shaft, _) in enumerate(line.shafts, 1):
+            peaks = [j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross"]
+            known = [p for p in peaks if p]
+            if known and isinstance(shaft.tube, Tube):
+                value = ratio(max(known), _published_peak(shaft.tube))
+                keys = f"{line.at}.joints[{k}]", f"{line.at}.joints"
+                yield ComparedValue(keys, value, (f"{at}.tube",))
+
+
+def _published_peak(tube: Tube) -> float | None:
+    """Peak torque of the joint that a maker prints with a tube, N m; None if there is none."""
+    for row in shipped_csv_rows("tube_joints.csv"):
+        size = float(row["outer_mm"]) * mm, float(row["wall_mm"]) * mm
+        if np.allclose((tube.outer, tube.wall), size, rtol=PRINTED_SIZE_TOLERANCE):
+            joint, _ = find_csv_row_by_name("joints.csv", row["joint"])
+            return float(joint["peak_Nm"]) if joint and joint["peak_Nm"] else None
+    return None
+
+
+# --- yokes
+
+
+def yoke_phase(of: RelationContext) -> ComparedValues:
+    """Distance of a yoke phase from 0 or 90 deg, deg."""
+    for at, shaft, _ in of.shafts:
+        phase = shaft.phase / deg
+        nearest = min((0.0, 90.0), key=lambda usual: abs(phase - usual))
+        yield ComparedValue((f"{at}.phase",), abs(phase - nearest))
+
+
+def yokes_out_of_line(of: RelationContext) -> ComparedValues:
+    """Equivalent angle of a line as its yokes stand over that with all in line."""
+    for line in of.lines:
+        phases = np.array(line.installed.line.phases)
+        if not phases.any() or set(line.installed.line.joint_kinds) != {"cross"}:
+            continue
+        given, aligned = (
+            float(_equivalent_angle(line, phases=p)) for p in (phases, np.zeros_like(phases))
+        )
+        if given < MIN_COMPARED_EQUIVALENT_ANGLE:
+            continue
+        for k, phase in enumerate(phases, 1):
+            if phase:
+                keys = (f"{line.at}.shafts[{k}].phase",)
+                against = (f"{line.at}.points", f"{line.at}.slopes")
+                yield ComparedValue(keys, given / max(aligned, LEAST_COMPARED_ANGLE), against)
+
+
+def _equivalent_angle(line: LineContext, *, phases: FloatArray) -> FloatArray:
+    """Angle of the one joint that would turn the pinion as unevenly, rad."""
+    turned = rotate_chain(
+        line.installed.layout.directions, phases=phases, crosses=line.installed.line.is_cross
+    )
+    return 2 * np.arctan(np.sqrt(np.abs(turned.phasors[..., -1])))
+
+
+# --- where a line runs
+
+
+def lost_sign(of: RelationContext) -> ComparedValues:
+    """Bend beside a member that would lie straight if its slope had another sign, deg."""
+    for line in of.lines:
+        given = [(line.at, line.installed.layout)]
+        for k, state in enumerate(of.application.states, 1):
+            name = line.installed.line.name
+            if own := (state.layouts or {}).get(name):
+                inside = locate_yaml_address(of.application, f"states[{k}].drivelines.{name}")
+                nested = inside and inside.key.endswith(name)
+                given.append((f"states[{k}]" + (f".drivelines.{name}" if nested else ""), own))
+        for at, layout in given:
+            yield from _lost_in(of, at, layout)
+
+
+def _lost_in(of: RelationContext, at: str, layout: Layout) -> ComparedValues:
+    points, side = layout.points, layout.side
+    found = locate_yaml_address(of.application, f"{at}.points")
+    if found and ".points" in found.key:
+        ends = (f"{at}.gearbox_slope.side", 0), (f"{at}.pinion_slope.side", len(side) - 1)
+        for k in range(1, len(points)):
+            turned = points * np.where(np.arange(len(points))[:, None] == k, [1, 1, -1], 1)
+            steps = np.diff(turned, axis=0)
+            other = np.array([side[0], *np.arctan2(-steps[:, 2], steps[:, 0]), side[-1]])
+            bend = _sign_bend(side, other, slice(k - 1, k + 2))
+            yield ComparedValue((f"{at}.points[{k + 1}]",), bend)
+    else:
+        ends = tuple((f"{at}.slopes.side", k) for k in range(len(side)))
+    for key, k in ends:
+        other = np.where(np.arange(len(side)) == k, -side, side)
+        yield ComparedValue((key,), _sign_bend(side, other, slice(max(k - 1, 0), k + 1)))
+
+
+def _sign_bend(side: FloatArray, other: FloatArray, joints: slice) -> float:
+    """Return the larger bend (deg) at some joints; nan where another sign is no better."""
+    now, then = (float(np.abs(np.diff(s))[joints].max()) / deg for s in (side, other))
+    return now if then < 3 else nan
+
+
+def inner_bend(of: RelationContext) -> ComparedValues:
+    """Angle of a cross between two shafts in the reference state, deg."""
+    for line in of.lines:
+        d, kinds = line.installed.layout.directions, line.installed.line.joint_kinds
+        for k in range(1, len(kinds) - 1):
+            angle = float(np.arccos(np.clip(d[k] @ d[k + 1], -1, 1))) / deg
+            keys = f"{line.at}.points[{k + 1}]", f"{line.at}.slopes.side", f"{line.at}"
+            against = f"{line.at}.points[{k}]", f"{line.at}.points[{k + 2}]"
+            yield ComparedValue(keys, angle if kinds[k] == "cross" else nan, against)
+
+
+def line_drop(of: RelationContext) -> ComparedValues:
+    """Side slope from joint 1 to the last less the mean slope of gearbox and pinion, deg."""
+    yield from _chord_slopes(of, view="side")
+
+
+def line_offset(of: RelationContext) -> ComparedValues:
+    """Slope from joint 1 to the last less that of gearbox and pinion, from above, deg."""
+    yield from _chord_slopes(of, view="top")
+
+
+def _chord_slopes(of: RelationContext, *, view: str) -> ComparedValues:
+    for line in of.lines:
+        layout, crosses = line.installed.layout, line.installed.line.joint_kinds
+        found = locate_yaml_address(of.application, f"{line.at}.points")
+        if set(crosses) != {"cross"} or not (found and ".points" in found.key):
+            continue
+        across = layout.points[-1] - layout.points[0]
+        if view == "side":
+            chord, ends = np.arctan2(-across[2], across[0]), layout.side[[0, -1]]
+        else:
+            chord, ends = np.arctan2(across[1], across[0]), layout.top[[0, -1]]
+        against = tuple(f"{line.at}.{end}_slope" for end in ("gearbox", "pinion"))
+        value = abs(float(chord - np.mean(ends))) / deg
+        keys = (f"{line.at}.points[{len(layout.points)}]", f"{line.at}.points")
+        yield ComparedValue(keys, value, against)
+
+
+# --- several lines
+
+
+def torque_shares(of: RelationContext) -> ComparedValues:
+    """Sum of the torque shares of all lines that leave the gearbox, 1 if none is missing."""
+    lines = [line for line in of.lines if line.leaves_gearbox]
+    vehicle = of.application.vehicle
+    driven = {"rear": vehicle.driven_rear, "front": vehicle.driven_front} if vehicle else {}
+    drives = {line.installed.drives for line in lines}
+    if "all" in drives or any(count and end not in drives for end, count in driven.items()):
+        return
+    total = sum(line.installed.torque_share for line in lines)
+    for line in lines:
+        yield ComparedValue((f"{line.at}.torque_share", line.at), float(total), default="1")
+
+
+def inter_axle_shares(of: RelationContext) -> ComparedValues:
+    """Torque share of a line between axles over that of the line ahead of it."""
+    for line in of.lines:
+        for ahead in of.lines:
+            if line.installed.starts_at_axle_of(ahead.installed):
+                value = ratio(line.installed.torque_share, ahead.installed.torque_share)
+                keys = (f"{line.at}.torque_share", line.at)
+                against = (f"{ahead.at}.torque_share",)
+                yield ComparedValue(keys, value, against, default="1")
+
+
+def inter_axle_load_shares(of: RelationContext) -> ComparedValues:
+    """Load share behind a line between axles over that behind the line ahead of it."""
+    for line in of.lines:
+        for ahead in of.lines:
+            if line.installed.starts_at_axle_of(ahead.installed):
+                value = ratio(line.installed.load_share, ahead.installed.load_share)
+                keys = (f"{line.at}.load_share", line.at)
+                yield ComparedValue(keys, value, (f"{ahead.at}.load_share",), default="1")
+
+
+def lines_over_axles(of: RelationContext) -> ComparedValues:
+    """Lines to rear axles over the number of driven rear axles."""
+    vehicle = of.application.vehicle
+    rear = [line for line in of.lines if line.installed.drives == "rear"]
+    if vehicle and vehicle.driven_rear and rear and len(rear) == len(of.lines):
+        value = len(rear) / vehicle.driven_rear
+        yield ComparedValue(("vehicle.drive",), value, ("driveline", "drivelines"))
+
+
+def axle_ratios_alike(of: RelationContext) -> ComparedValues:
+    """Pinion speed for one wheel speed of a line over that of the first line."""
+    geared = [line for line in of.lines if line.installed.axle]
+    for line in geared[1:]:
+        first, own = geared[0].installed, line.installed
+        assert first.axle
+        assert own.axle
+        value = (own.axle.ratio / own.speed_ratio) / (first.axle.ratio / first.speed_ratio)
+        yield ComparedValue((f"{line.axle}.ratio",), value, (f"{geared[0].axle}.ratio",))
+
+
+def transfer_power(of: RelationContext) -> ComparedValues:
+    """Torque ratio times speed ratio of a line: gears keep power."""
+    for line in of.lines:
+        value = line.installed.torque_ratio * line.installed.speed_ratio
+        keys = f"{line.at}.torque_ratio", f"{line.at}.speed_ratio", line.at
+        yield ComparedValue(keys, float(value), (f"{line.at}.speed_ratio",))

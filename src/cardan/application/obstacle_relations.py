@@ -1,0 +1,79 @@
+"""Relations between obstacles and where the shafts of their line run."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from math import nan
+
+import numpy as np
+
+from cardan.application.relation_context import (
+    ComparedValue,
+    ComparedValues,
+    LineContext,
+    RelationContext,
+)
+from cardan.application.source_location import locate_yaml_address
+from cardan.core.units import mm
+from cardan.model.application import Obstacle
+from cardan.physics.vehicle.clearance import clearances
+
+NEAR_SHAFT = 100 * mm
+"""What stands within this of a shaft, and does not touch it, is in the file for a reason."""
+
+
+def obstacle_distance(of: RelationContext) -> ComparedValues:
+    """Least distance of an obstacle from a shaft of its line in all states, mm; 0 if they touch."""
+    for address, line, (free, *_) in _clearances(of):
+        against = f"{line.at}.points", f"{line.at}.slopes.side"
+        yield ComparedValue((f"{address}.start", address), max(free, 0.0) / mm, against)
+
+
+def obstacle_sign(of: RelationContext) -> ComparedValues:
+    """Distance of an obstacle that would be near a shaft if y or z had the other sign, mm."""
+    for address, line, (free, *mirrored) in _clearances(of):
+        near = any(0 <= other <= NEAR_SHAFT for other in mirrored)
+        against = f"{line.at}.points", f"{line.at}.slopes.side"
+        value = max(free, 0.0) / mm if near else nan
+        yield ComparedValue((f"{address}.start", address), value, against)
+
+
+def _clearances(of: RelationContext) -> Iterator[tuple[str, LineContext, list[float]]]:
+    """Yield each obstacle's address, its line and its least clearance from it in all states, m.
+
+    As it is, and mirrored in y and in z.
+    """
+    for line in of.lines:
+        name = line.installed.line.name
+        some = [(k, o) for k, o in enumerate(of.application.obstacles, 1) if o.line == name]
+        if some and (demand := line.in_states):
+            every = tuple(m for _, o in some for m in (o, _mirrored(o, 1), _mirrored(o, 2)))
+            free = clearances(demand.layout, line.installed.line, every, travel=demand.travel)
+            least = free.min(axis=tuple(range(free.ndim - 1))).reshape(-1, 3)
+            for (k, _), values in zip(some, least.tolist(), strict=True):
+                yield f"obstacles[{k}]", line, values
+
+
+def _mirrored(obstacle: Obstacle, axis: int) -> Obstacle:
+    """Return an obstacle with another sign of one coordinate of both ends."""
+    signs = np.where(np.arange(3) == axis, -1.0, 1.0)
+    start, end = ((signs * p).tolist() for p in (obstacle.start, obstacle.end))
+    return replace(obstacle, start=tuple(start), end=tuple(end))
+
+
+def obstacle_thickness(of: RelationContext) -> ComparedValues:
+    """Diameter of an obstacle, mm; 0 where the file gives none."""
+    for k, obstacle in enumerate(of.application.obstacles, 1):
+        at = f"obstacles[{k}]"
+        keys = f"{at}.radius", f"{at}.diameter", at
+        yield ComparedValue(keys, 2 * obstacle.radius / mm, default="0 mm")
+
+
+def obstacle_slenderness(of: RelationContext) -> ComparedValues:
+    """Length of an obstacle's axis over its diameter, of those that are given both ends."""
+    for k, obstacle in enumerate(of.application.obstacles, 1):
+        end = locate_yaml_address(of.application, f"obstacles[{k}].end")
+        if end and ".end" in end.key and obstacle.radius:
+            axis = np.subtract(obstacle.end, obstacle.start)
+            value = float(np.linalg.norm(axis)) / (2 * obstacle.radius)
+            against = f"obstacles[{k}].radius", f"obstacles[{k}].diameter", f"obstacles[{k}].start"
+            yield ComparedValue((f"obstacles[{k}].end",), value, against)

@@ -1,0 +1,369 @@
+"""Relations between engine, gears, axle ratio, tyre, speeds and torques."""
+
+from dataclasses import replace
+from itertools import pairwise
+from math import nan
+
+import numpy as np
+
+from cardan.application.relation_context import (
+    ComparedValue,
+    ComparedValues,
+    RelationContext,
+    ratio,
+)
+from cardan.application.typical_values import typical_value
+from cardan.core.units import g, t
+
+MIN_CURVE_POINTS = 3
+"""Points of a full-load curve from which its shape says something."""
+
+MAX_GOVERNED_DROOP = 0.2
+"""Share of speed within which a governor takes an engine's torque away: assumed."""
+
+TYPICAL_PARTS = (
+    "clutch.stiffness", "clutch.disc_inertia", "converter.pump_inertia",
+    "converter.turbine_inertia", "gearbox.input_inertia", "axle.flange_inertia",
+    "axle.pinion_inertia", "axle.pinion_stiffness", "axle.ring_inertia", "axle.housing_inertia",
+    "wheels.inertia", "wheels.hub_inertia", "tyre.longitudinal_stiffness",
+)  # fmt: skip
+"""Quantities of the catalogue of typical values that are single numbers of a file."""
+
+ENGINE = "engine.torque", "engine.speed"
+
+
+# --- speed and torque of the file against engine and gears
+
+
+def top_speed(of: RelationContext) -> ComparedValues:
+    """Top speed over that of the engine in its highest gear."""
+    value = ratio(of.application.speed or None, of.top_speed)
+    yield ComparedValue(("speed",), value, ("engine.speed", "gearbox.ratios"))
+
+
+def given_torque(of: RelationContext) -> ComparedValues:
+    """Torque at the gearbox output over the engine's in its lowest gear."""
+    value = ratio(of.application.torque or None, of.largest_torque)
+    yield ComparedValue(("torque",), value, ("engine.torque", "gearbox.ratios"))
+
+
+def withheld_torque(of: RelationContext) -> ComparedValues:
+    """Torque of the file over the smaller of the engine's in its lowest gear and the tyres'."""
+    if of.application.torque is None or of.application.engine is None:
+        return
+    reached = RelationContext(application=replace(of.application, torque=None))
+    leaving = [line for line in reached.lines if line.leaves_gearbox]
+    if leaving and (demand := leaving[0].laden):
+        line = leaving[0].installed
+        given = of.application.torque * line.torque_ratio * line.torque_share
+        value = ratio(given, float(demand.torque[0]))
+        yield ComparedValue(("torque",), value, ("engine.torque", "gearbox.ratios"))
+
+
+def part_speeds(of: RelationContext) -> ComparedValues:
+    """Speed of a state over the top speed of the gearbox output."""
+    top = of.top_speed
+    for k, state in enumerate(of.application.states, 1):
+        against = ("engine.speed", "gearbox.ratios")
+        yield ComparedValue((f"states[{k}].speed",), ratio(state.speed, top), against)
+
+
+def duty_speeds(of: RelationContext) -> ComparedValues:
+    """Speed of a duty point over the top speed of the gearbox output."""
+    given = of.application.speed
+    top = float(np.fmin(of.top_speed, nan if given is None else given))
+    for k, point in enumerate(of.application.duty, 1):
+        yield ComparedValue((f"duty[{k}].speed",), ratio(point.speed, top), ("speed",))
+
+
+def windup_speeds(of: RelationContext) -> ComparedValues:
+    """Speed of a wind-up state over the engine's top speed in its lowest gear."""
+    gearbox = of.application.gearbox
+    for k, state in enumerate(of.application.states, 1):
+        if gearbox and state.kind == "windup":
+            lowest = of.top_speed * min(gearbox.ratios) / max(gearbox.ratios)
+            against = ("engine.speed", "gearbox.ratios")
+            yield ComparedValue((f"states[{k}].speed",), ratio(state.speed, lowest), against)
+
+
+def part_torques(of: RelationContext) -> ComparedValues:
+    """Torque of a state over the largest at the gearbox output."""
+    most = of.largest_torque
+    for k, state in enumerate(of.application.states, 1):
+        against = ("engine.torque", "gearbox.ratios")
+        yield ComparedValue((f"states[{k}].torque",), ratio(state.torque, most), against)
+
+
+def duty_torques(of: RelationContext) -> ComparedValues:
+    """Torque of a duty point over the largest at the gearbox output."""
+    given = of.application.torque
+    most = float(np.fmin(of.largest_torque, nan if given is None else given))
+    for k, point in enumerate(of.application.duty, 1):
+        yield ComparedValue((f"duty[{k}].torque",), ratio(point.torque, most), ("torque",))
+
+
+def part_powers(of: RelationContext) -> ComparedValues:
+    """Torque times speed of a state or duty point over the engine's largest power."""
+    for k, p in enumerate(of.application.duty, 1):
+        value = ratio(p.torque * p.speed, of.power)
+        yield ComparedValue((f"duty[{k}].torque",), value, (f"duty[{k}].speed", *ENGINE))
+    for k, s in enumerate(of.application.states, 1):
+        if s.torque is not None and s.speed is not None:
+            value = ratio(s.torque * s.speed, of.power)
+            yield ComparedValue((f"states[{k}].torque",), value, (f"states[{k}].speed", *ENGINE))
+
+
+def coast_torque(of: RelationContext) -> ComparedValues:
+    """Coast torque over the engine's torque in its lowest gear."""
+    value = ratio(of.application.coast_torque or None, of.largest_torque)
+    yield ComparedValue(("coast_torque",), value, ("engine.torque", "gearbox.ratios"))
+
+
+def coast_over_drive(of: RelationContext) -> ComparedValues:
+    """Coast torque over the torque that drives, both as the file gives them."""
+    value = ratio(of.application.coast_torque, of.application.torque or None)
+    yield ComparedValue(("coast_torque",), value, ("torque",))
+
+
+def retarder_torque(of: RelationContext) -> ComparedValues:
+    """Torque of the retarder over the engine's in its lowest gear."""
+    if gearbox := of.application.gearbox:
+        value = ratio(gearbox.retarder_torque or None, of.largest_torque)
+        yield ComparedValue(
+            ("gearbox.retarder_torque",), value, ("engine.torque", "gearbox.ratios")
+        )
+
+
+# --- engine
+
+
+def curve_speeds(of: RelationContext) -> ComparedValues:
+    """Lowest over highest speed of the full-load curve of a combustion engine."""
+    engine = of.application.engine
+    if engine and not of.application.electric:
+        # A curve that starts at rest is a motor's.
+        value = ratio(min(engine.speed) or None, max(engine.speed))
+        yield ComparedValue(("engine.speed",), value)
+
+
+def motor_speeds(of: RelationContext) -> ComparedValues:
+    """Lowest over highest speed of the full-load curve of an electric motor."""
+    engine = of.application.engine
+    if engine and of.application.electric and len(engine.speed) > 1:
+        value = ratio(min(engine.speed), max(engine.speed))
+        yield ComparedValue(("prime_mover",), value, ("engine.speed",))
+
+
+def curve_dip(of: RelationContext) -> ComparedValues:
+    """Torque of a point of the curve over the lower of the maxima on both sides."""
+    curve = of.application.engine.torque if of.application.engine else ()
+    for k in range(1, len(curve) - 1):
+        beside = min(max(curve[:k]), max(curve[k + 1 :]))
+        keys = f"engine.torque[{k + 1}]", "engine.torque"
+        yield ComparedValue(keys, ratio(curve[k], beside))
+
+
+def curve_start(of: RelationContext) -> ComparedValues:
+    """Torque at the lowest speed of the curve over its largest."""
+    engine = of.application.engine
+    if engine and len(engine.torque) > 1 and min(engine.speed) > 0:
+        value = ratio(engine.torque[0], max(engine.torque))
+        yield ComparedValue(("engine.torque[1]", "engine.torque"), value)
+
+
+def curve_end(of: RelationContext) -> ComparedValues:
+    """Power at the end of the curve over its largest, if no governor's droop explains it."""
+    engine = of.application.engine
+    if engine is None or len(engine.speed) < MIN_CURVE_POINTS:
+        return
+    power = [n * torque for n, torque in zip(engine.speed, engine.torque, strict=True)]
+    peak = max(range(len(power)), key=power.__getitem__)
+    wide = 1 - engine.speed[peak] / engine.speed[-1] > MAX_GOVERNED_DROOP
+    keys = f"engine.torque[{peak + 1}]", "engine.torque"
+    yield ComparedValue(keys, ratio(power[-1], power[peak]) if wide else nan, ("engine.speed",))
+
+
+def curve_fall(of: RelationContext) -> ComparedValues:
+    """Torque at the end of a combustion engine's curve over its largest."""
+    engine = of.application.engine
+    if engine and len(engine.torque) >= MIN_CURVE_POINTS and not of.application.electric:
+        value = ratio(engine.torque[-1], max(engine.torque))
+        yield ComparedValue((f"engine.torque[{len(engine.torque)}]", "engine.torque"), value)
+
+
+def brake_torque(of: RelationContext) -> ComparedValues:
+    """Torque of the engine brake over the engine's own."""
+    engine = of.application.engine
+    if engine and engine.brake_torque:
+        value = ratio(engine.brake_torque, max(engine.torque))
+        yield ComparedValue(("engine.brake_torque",), value, ("engine.torque",))
+
+
+def rated_power(of: RelationContext) -> ComparedValues:
+    """Largest torque times speed of the curve over the rated power."""
+    if engine := of.application.engine:
+        value = ratio(of.power, engine.power)
+        yield ComparedValue(("engine.torque",), value, ("engine.power", "engine.speed"))
+
+
+def torque_per_tonne(of: RelationContext) -> ComparedValues:
+    """Largest torque of the engine for each tonne of the vehicle, N m/t."""
+    if engine := of.application.engine:
+        value = ratio(max(engine.torque), of.heaviest)
+        yield ComparedValue(("engine.torque",), value, (of.heaviest_address,))
+
+
+def power_per_tonne(of: RelationContext) -> ComparedValues:
+    """Largest power of the engine for each tonne of the vehicle, kW/t."""
+    value = ratio(of.power / 1e3, of.heaviest)
+    yield ComparedValue(("engine.speed",), value, ("engine.torque", of.heaviest_address))
+
+
+def torque_per_litre(of: RelationContext) -> ComparedValues:
+    """Largest torque of the engine over its displacement, N m/l."""
+    if engine := of.application.engine:
+        litres = None if engine.displacement is None else 1e3 * engine.displacement
+        value = ratio(max(engine.torque), litres)
+        yield ComparedValue(("engine.torque",), value, ("engine.displacement",))
+
+
+def cylinder_volume(of: RelationContext) -> ComparedValues:
+    """Displacement of one cylinder, l."""
+    engine = of.application.engine
+    if engine and engine.displacement is not None:
+        value = ratio(1e3 * engine.displacement, engine.cylinders)
+        yield ComparedValue(("engine.cylinders",), value, ("engine.displacement",))
+
+
+def idle_speed(of: RelationContext) -> ComparedValues:
+    """Idle speed over the highest of the curve."""
+    if engine := of.application.engine:
+        yield ComparedValue(
+            ("engine.idle",), ratio(engine.idle, max(engine.speed)), ("engine.speed",)
+        )
+
+
+def governed_speed(of: RelationContext) -> ComparedValues:
+    """Governed speed over the highest of the curve."""
+    if engine := of.application.engine:
+        value = ratio(engine.governed, max(engine.speed))
+        yield ComparedValue(("engine.governed",), value, ("engine.speed",))
+
+
+def clutch_capacity(of: RelationContext) -> ComparedValues:
+    """Torque that the clutch holds over the engine's largest."""
+    engine, clutch = of.application.engine, of.application.clutch
+    if engine and clutch:
+        value = ratio(clutch.capacity, max(engine.torque))
+        yield ComparedValue(("clutch.capacity",), value, ("engine.torque",))
+
+
+# --- gears
+
+
+def largest_ratio(of: RelationContext) -> ComparedValues:
+    """Largest ratio of a gearbox of several."""
+    if of.application.gearbox and len(of.application.gearbox.ratios) > 1:
+        yield ComparedValue(("gearbox.ratios",), max(of.application.gearbox.ratios))
+
+
+def gear_spread(of: RelationContext) -> ComparedValues:
+    """Largest over smallest ratio."""
+    if of.application.gearbox:
+        ratios = of.application.gearbox.ratios
+        yield ComparedValue(("gearbox.ratios",), max(ratios) / min(ratios))
+
+
+def gear_steps(of: RelationContext) -> ComparedValues:
+    """Ratio of a gear over that of the next; lowest and highest alone may stand for all."""
+    ratios = of.application.gearbox.ratios if of.application.gearbox else ()
+    for k, (low, high) in enumerate(pairwise(ratios if len(ratios) > 2 else ()), 1):
+        yield ComparedValue((f"gearbox.ratios[{k}]", "gearbox.ratios"), low / high)
+
+
+def gear_progression(of: RelationContext) -> ComparedValues:
+    """Lowest step between gears over the next."""
+    ratios = of.application.gearbox.ratios if of.application.gearbox else ()
+    if len(ratios) >= 3 and not of.has_converter:
+        value = (ratios[0] / ratios[1]) / (ratios[1] / ratios[2])
+        yield ComparedValue(("gearbox.ratios[1]", "gearbox.ratios"), value)
+
+
+def reverse_ratio(of: RelationContext) -> ComparedValues:
+    """Reverse ratio over the lowest gear's, of a gearbox with a clutch."""
+    if (gearbox := of.application.gearbox) and not of.has_converter:
+        value = ratio(gearbox.reverse_ratio, max(gearbox.ratios))
+        yield ComparedValue(("gearbox.reverse_ratio",), value, ("gearbox.ratios",))
+
+
+def automatic_reverse_ratio(of: RelationContext) -> ComparedValues:
+    """Reverse ratio over the lowest gear's, of a gearbox with a converter."""
+    if (gearbox := of.application.gearbox) and of.has_converter:
+        value = ratio(gearbox.reverse_ratio, max(gearbox.ratios))
+        yield ComparedValue(("gearbox.reverse_ratio",), value, ("gearbox.ratios",))
+
+
+def motor_gears(of: RelationContext) -> ComparedValues:
+    """Gears behind an electric motor."""
+    if of.application.electric and of.application.engine and of.application.gearbox:
+        count = float(len(of.application.gearbox.ratios))
+        yield ComparedValue(("prime_mover",), count, ("gearbox.ratios",))
+
+
+# --- on the road
+
+
+def road_speed(of: RelationContext) -> ComparedValues:
+    """Road speed at top speed of the gearbox output, km/h."""
+    tyre = of.application.tyre
+    for line in of.lines:
+        axle = line.installed.axle
+        if axle and tyre:
+            speed = of.application.speed or of.top_speed
+            speed *= line.installed.speed_ratio / axle.ratio
+            value = speed * (tyre.dynamic_radius or tyre.static_radius) * 3.6
+            against = ("speed" if of.application.speed else "engine.speed", "tyre.static_radius")
+            yield ComparedValue((f"{line.axle}.ratio",), value, against)
+
+
+def gradeability(of: RelationContext) -> ComparedValues:
+    """Push of the engine in its lowest gear over the weight at the largest mass."""
+    tyre, gearbox = of.application.tyre, of.application.gearbox
+    geared = [line for line in of.lines if line.installed.axle and line.leaves_gearbox]
+    if not (tyre and geared and of.masses and of.application.engine):
+        return
+    line = geared[0].installed
+    assert line.axle
+    efficiency = line.axle.efficiency * (gearbox.efficiency if gearbox else 1.0)
+    wheels = of.largest_torque * line.torque_ratio * line.axle.ratio * efficiency
+    value = wheels / tyre.static_radius / (of.heaviest * t * g)
+    against = ("engine.torque", f"{geared[0].axle}.ratio", of.heaviest_address)
+    yield ComparedValue(("gearbox.ratios", "engine.torque"), value, against)
+
+
+def typical_parts(of: RelationContext) -> ComparedValues:
+    """Value of a part of torsion over what is typical of the vehicle's class."""
+    if of.vehicle_class is None:
+        return
+    application = of.application
+    parts = {
+        "clutch": application.clutch,
+        "converter": application.converter,
+        "wheels": application.wheels,
+        "tyre": application.tyre,
+        "axle": next((i.axle.rotors for i in application.lines if i.axle), None),
+        "gearbox": application.gearbox.rotors if application.gearbox else None,
+    }
+    for quantity in TYPICAL_PARTS:
+        part, name = quantity.split(".")
+        value = getattr(parts[part], name, None)
+        if isinstance(value, int | float) and value:  # 0: another number has it
+            typical = typical_value(quantity, of.vehicle_class).value
+            yield ComparedValue((quantity,), value / typical, (of.heaviest_address,))
+
+
+def shock_factor(of: RelationContext) -> ComparedValues:
+    """Shock factor, if a limit is on a torque that it multiplies."""
+    asked = {limit.quantity for limit in of.application.limits}
+    if "joint_torque_utilisation" in asked and of.application.engine and of.application.vehicle:
+        yield ComparedValue(("shock_factor",), of.application.shock_factor, ("limits",))

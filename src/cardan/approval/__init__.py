@@ -1,0 +1,1 @@
+"""Approval: the study protocol, its registry, and the one verdict."""

@@ -1,1 +1,0 @@
-"""What everything stands on: units, sources, quantities, verdicts, errors."""

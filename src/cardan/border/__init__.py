@@ -1,1 +1,0 @@
-"""The border: how files are declared and read, and how results are written safely."""

@@ -1,0 +1,1 @@
+"""Checks: every quantity of a line, declared once, with the worst operating point for each."""

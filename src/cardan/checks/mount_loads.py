@@ -1,0 +1,233 @@
+"""What the centre bearings of a line carry at its worst operating points."""
+
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from cardan.checks import worst_points as search
+from cardan.checks.candidate_points import (
+    CandidatePoints,
+    ScreenedForces,
+    candidate_points,
+    screen_candidates,
+)
+from cardan.checks.line_on_mounts import LineOnMounts
+from cardan.checks.operating_point_results import OperatingPointResults
+from cardan.checks.rigid_line_loads import RigidLineLoads
+from cardan.core.arrays import FloatArray, stack_on_last_axis
+from cardan.core.labels import OrderCrossing
+from cardan.core.lazy_dataclass import dataclass
+from cardan.model import layout
+from cardan.physics.loads.centre_bearing import BearingForces
+from cardan.physics.loads.rubber_mount import DEFAULT_STOP_TRAVEL_M
+from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
+from cardan.physics.vehicle.operating_points import LineOperatingPoints
+
+NEAR_STOP_SHARE = 0.95
+"""Share of the force at a stop below which no travel is sought: less than any bearing needs."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MountLoads:
+    """Loads and travel of the centre bearings, and of joints on them, where they are worst."""
+
+    mounts: LineOnMounts
+    rigid_loads: RigidLineLoads
+
+    @cached_property
+    def mounted_bearing_forces(self) -> BearingForces:
+        """What the bearings carry on their rubber at the state's own torque and top speed."""
+        return self.mounts.bearing_forces_at(self.mounts.inputs.demand, self.mounts.inputs.layout)
+
+    @cached_property
+    def candidate_points(self) -> CandidatePoints | None:
+        """The operating points among which its bearings' worst ones are sought."""
+        return candidate_points(self.mounts)
+
+    @cached_property
+    def screened_forces(self) -> ScreenedForces | None:
+        """What it nearly does there; None of a line that is not on rubber."""
+        return screen_candidates(self.mounts, self.candidate_points)
+
+    @cached_property
+    def worst_bearing_forces(self) -> dict[str, OperatingPointResults]:
+        """The operating point at which each bearing's mean, orders and peak are largest."""
+        return search.worst_bearing_forces(self.mounts, self.candidate_points, self.screened_forces)
+
+    @cached_property
+    def worst_bearing_travel(self) -> OperatingPointResults | None:
+        """The operating point at which each bearing goes farthest across its rubber, in m."""
+        return search.worst_bearing_travel(self.mounts, self.candidate_points)
+
+    @cached_property
+    def worst_obstacle_clearance(self) -> OperatingPointResults | None:
+        """The operating point at which each shaft comes nearest to each obstacle, on rubber."""
+        return search.worst_obstacle_clearance(self.mounts, self.screened_forces)
+
+    @cached_property
+    def worst_joint_forces(self) -> OperatingPointResults | None:
+        """The operating point at which each joint is shaken most on rubber."""
+        return search.worst_joint_forces(self.mounts)
+
+    @cached_property
+    def worst_growth_rate(self) -> OperatingPointResults | None:
+        """The operating point at which the line's swinging grows most, or dies away least."""
+        return search.worst_growth_rate(self.mounts)
+
+    def all_points(self) -> OperatingPointResults | None:
+        """Return all points (P, ..., S) that bearings were asked at for the worst; None if none."""
+        return search.all_bearing_operating_points(
+            self.mounts, self.candidate_points, self.screened_forces, self.worst_bearing_forces
+        )
+
+    def forces_with_other_loss_factors(self, assumed: FloatArray) -> BearingForces:
+        """Return what bearings carry at their points of most orders, of `assumed` (F, 1)."""
+        worst = self.worst_bearing_forces["dynamic"]
+        return search.bearing_forces_at_loss_factors(self.mounts, worst, assumed=assumed)
+
+    @cached_property
+    def rubber_stop_travel(self) -> FloatArray:
+        """How far the rubber of each bearing goes to its stop, (..., n-2) m; inf of rigid ones.
+
+        `DEFAULT_STOP_TRAVEL_M`, assumed, where a file does not give it.
+        """
+        assumed = np.where(np.isnan(self.mount_stop_travel), DEFAULT_STOP_TRAVEL_M, np.inf)
+        hung = [bool(b.stiffness) for b in self.mounts.inputs.line.centre_bearings]
+        return np.where(hung, np.fmin(self.mount_stop_travel, assumed), np.inf)
+
+    def stop_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
+        """Return the share of the travel to each bearing's stop still free, (..., S, n-2) 1.
+
+        By the mean, or at most. Negative where linear rubber goes beyond: a motion that stays
+        within is linear, so then none does. 1 where no force comes near. Where one bearing goes
+        beyond, the others have its margin: what a stop takes on or throws off they carry.
+        """
+        own = self._own_stop_margin(kind)
+        least = own.min(axis=-1, keepdims=True, initial=1.0)
+        return np.where(least < 0, least, own)
+
+    def _own_stop_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
+        """Return the share of the travel to its own stop that each bearing has free."""
+        on, worst = self.mounts.mounted_line, self.worst_bearing_forces
+        stop = self.rubber_stop_travel
+        none = np.ones((1, stop.shape[-1]))
+        if on is None or not worst:
+            return none
+        largest = np.nan_to_num(worst["peak"].results.peak)
+        if not (largest > NEAR_STOP_SHARE * self.least_force_at_stop).any():
+            return none
+        goes = self.worst_bearing_travel
+        assert goes is not None  # where forces on rubber are known
+        travel = getattr(goes.results, kind)
+        if kind == "static":  # whose own worst point may be another one
+            mean = worst["static"].results.mean - self._weight
+            travel = np.maximum(travel, np.linalg.norm(on.rubber_deflection(mean).real, axis=-1))
+        return np.where(np.isnan(travel), 1.0, 1 - travel / stop)
+
+    def force_at_stop(self, name: str) -> FloatArray:
+        """Return one of `FORCE_KINDS` on each bearing at least, where a stop is met, (..., n-2) N.
+
+        The larger of the force of linear rubber and `least_force_at_stop`, less the mean where
+        only what shakes counts. The former alone of a bearing that stays within its own stop.
+        """
+        contact, linear = self.least_force_at_stop, self.bearing_force(name)
+        if name == "dynamic":
+            contact = np.maximum(contact - self.bearing_force("static"), 0.0)
+        beyond = self._own_stop_margin("static" if name == "static" else "peak") < 0
+        return np.where(beyond, np.fmax(contact, linear), linear)
+
+    @cached_property
+    def _weight(self) -> FloatArray:
+        """What weight puts on each bearing, (..., n-2, 3) N."""
+        inputs = self.mounts.inputs
+        return bearing_forces_of_weight_and_thrust(
+            inputs.layout, inputs.line, gravity=inputs.gravity
+        )[0]
+
+    @cached_property
+    def least_force_at_stop(self) -> FloatArray:
+        """What each bearing carries at least with its rubber at its stop, (..., S, n-2) N.
+
+        The rubber pushes with its stiffness times the travel to it, that of its softer direction
+        here; weight, which set the line where it hangs, may help. inf of rigid bearings.
+        """
+        on, stop = self.mounts.mounted_line, self.rubber_stop_travel
+        if on is None:
+            return np.full((1, stop.shape[-1]), np.inf)
+        gives = on.rubber_compliance.reshape(*on.rubber_compliance.shape[:-1], -1, 3).max(axis=-1)
+        return np.maximum(stop / gives - np.linalg.norm(self._weight, axis=-1), 0.0)
+
+    @cached_property
+    def mount_stop_travel(self) -> FloatArray:
+        """How far the rubber of each centre bearing goes, (..., n-2) m; nan where nobody says."""
+        told = (b.travel for b in self.mounts.inputs.line.centre_bearings)
+        return stack_on_last_axis(np.nan if t is None else t for t in told)
+
+    def bearing_force(self, name: str) -> FloatArray:
+        """Return one of `FORCE_KINDS` on each bearing where it is largest, (..., n-2) N.
+
+        Where a line has no operating point it is that of rigid bearings at its own torque.
+        """
+        found = (
+            getattr(self.worst_bearing_forces[name].results, name)
+            if name in self.worst_bearing_forces
+            else None
+        )
+        if found is not None and not np.isnan(found).any():
+            return found
+        rigid = {
+            "static": lambda: layout.vector_length(
+                self.rigid_loads.joint_loads.bearing_forces.static
+            ),
+            "dynamic": lambda: self.rigid_loads.joint_loads.bearing_forces.dynamic,
+            "peak": lambda: self.rigid_loads.rigid_bearing_peaks,
+        }[name]()
+        return rigid if found is None else np.where(np.isnan(found), rigid, found)
+
+    def order_crossings(self, spots: LineOperatingPoints) -> list[list[OrderCrossing | None]]:
+        """Return the mode on the rubber that an order meets at points (S, parts), None where none.
+
+        Met is what lies within its resonance's width at half its power, ζ each way, and swings
+        across the shafts: nothing of a joint pushes along them.
+        """
+        found: list[list[OrderCrossing | None]] = [
+            [None] * spots.speed.shape[1] for _ in spots.speed
+        ]
+        if self.mounts.mounted_line is None:
+            return found
+        orders = np.array([2, 1] if self.mounts.inputs.application.include_unbalance else [2])
+        for part, (torque, speed) in enumerate(zip(spots.torque.T, spots.speed.T, strict=True)):
+            modes = self.mounts.mounted_line.modes(torque=np.nan_to_num(torque))
+            slow = np.maximum(modes.frequency, 1e-300)  # torque may buckle a line
+            off = np.abs(np.multiply.outer(orders, speed)[..., None] / slow - 1)
+            off = np.where(modes.not_excited, np.inf, off)
+            for state in range(len(speed)):
+                order, k = np.unravel_index(off[:, state].argmin(), off[:, state].shape)
+                if off[order, state, k] <= modes.damping_ratio[state, k]:
+                    shape, frequency = modes.mode_names(state)[k], float(slow[state, k])
+                    found[state][part] = OrderCrossing(shape, frequency, int(orders[order]))
+        return found
+
+    @cached_property
+    def resonance_distance(self) -> FloatArray:
+        """How far a duty cycle's speeds stay off the modes on the rubber, (...) 1.
+
+        The least |k Ω / ω - 1| of its speeds Ω, of order 2 of the joints, and order 1 where
+        unbalance counts, and of the modes ω that its torques leave the line; nan where nobody
+        knows, and in states that do not last.
+        """
+        orders = (1, 2) if self.mounts.inputs.application.include_unbalance else (2,)
+        found = np.full(self.mounts.inputs.layout.directions.shape[:-2], np.nan)
+        if self.mounts.mounted_line is None or not (duty := self.mounts.inputs.duty_points):
+            return found
+        like = np.zeros(self.mounts.mounted_line.case_last_matrices.cases)
+        each = np.broadcast_arrays(*(v for p in duty for v in (p.torque, p.speed)), like)[:-1]
+        torque, speed = np.stack(each[::2]), np.stack(each[1::2])
+        modes = self.mounts.mounted_line.natural_frequencies(torque=torque)[
+            ..., : self.mounts.inputs.line.rigid_body_mode_count
+        ]  # others bend tubes
+        modes = np.where(modes > 0, modes, 1e-300)  # torque may buckle a line
+        off = np.stack([np.abs(k * speed[..., None] / modes - 1).min(axis=-1) for k in orders])
+        found = np.fmin.reduce(off, axis=(0, 1))
+        return np.where(self.mounts.inputs.sustained_states, found, np.nan)

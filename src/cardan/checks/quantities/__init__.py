@@ -1,0 +1,1 @@
+"""The declared quantities, one module a topic."""

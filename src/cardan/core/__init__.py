@@ -1,0 +1,1 @@
+"""Foundations: units, errors, verdicts, provenance, messages, arrays."""

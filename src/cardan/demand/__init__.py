@@ -1,1 +1,0 @@
-"""What the vehicle asks of the driveline, state by state: torque, speed, axle loads, geometry."""

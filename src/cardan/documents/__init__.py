@@ -1,0 +1,1 @@
+"""Documents of a whole application: approval report, JSON, terminal, workbook, drawings."""

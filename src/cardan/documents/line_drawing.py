@@ -1,0 +1,670 @@
+"""Drawings of a line: where it runs, how its yokes stand, how its joints add up.
+
+Side view as seen from the vehicle's left (rear to the right, up is up), top view from
+above (rear to the right, the vehicle's right up), end views looking forward from the axle.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from cardan.checks.line_response import LineResponse
+from cardan.core.arrays import ComplexArray, FloatArray
+from cardan.core.errors import DesignError
+from cardan.core.labels import Part
+from cardan.core.units import deg, mm
+from cardan.core.verdict import Check, worst_first_key
+from cardan.model.application import Obstacle
+from cardan.model.layout import Layout
+from cardan.physics.kinematics.equivalent_angle import ae7_phasor_terms
+from cardan.render import svg
+from cardan.render.chart import Chart, DataSeries
+from cardan.render.i18n import Translator
+from cardan.render.phrases import check_state_phrase
+from cardan.render.svg import (
+    GRID_COLOUR,
+    SECONDARY_COLOUR,
+    SERIES_COLOURS,
+    TEXT_COLOUR,
+    VERDICT_COLOURS,
+    Figure,
+)
+from cardan.topics.design.suspension_travel import line_at_operating_point
+
+DRAWING_WIDTH_PX = 1040.0
+MARGIN_LEFT_PX, MARGIN_RIGHT_PX, MARGIN_TOP_PX, MARGIN_BOTTOM_PX = 24.0, 170.0, 30.0, 46.0
+MAX_VIEW_HEIGHT_PX = 330.0
+"""Height a view may take, pixels; what is left of it is used to exaggerate."""
+
+VERTICAL_EXAGGERATIONS = (10, 5, 2, 1)
+END_STUB_TO_LINE_LENGTH_RATIO = 0.07
+"""Length of the gearbox and pinion stubs drawn, over that of the line."""
+
+UPWARD_AXIS_INDEX_BY_VIEW = {"side": 2, "top": 1}
+"""The component that runs up the page in each view."""
+
+
+def worst_state_index(response: LineResponse) -> int:
+    """Return the number of the state that shakes most; where no speed is given, by angle."""
+    joint = response.kinematics.excitation.torsional
+    shakes = joint.angle if np.isnan(joint.acceleration).all() else joint.acceleration
+    return int(np.nanargmax(shakes))
+
+
+def state_to_draw(
+    response: LineResponse, checks: Iterable[Check], name: str | None = None
+) -> tuple[int, Check | None]:
+    """Return the number of the state to draw: one of a name, else where the worst check is.
+
+    And that check, if it was asked at an operating point. Without a check in a state it is the
+    state which shakes most.
+    """
+    states = response.demand.states
+    if name is not None:
+        if name not in states:
+            msg = f"there is no state {name} to draw; there are: {', '.join(states)}"
+            raise DesignError(msg)
+        return states.index(name), None
+    mine = [c for c in checks if c.line == response.line.name and c.when.name in states]
+    worst = min(mine, key=worst_first_key, default=None)
+    if worst is None:
+        return worst_state_index(response), None
+    return states.index(worst.when.name), worst if worst.point else None
+
+
+def _clearance_text(of: Obstacle, free: float, at: Check | None, say: Translator) -> str:
+    """Return what room there is to an obstacle: that of the check, where it is about that."""
+    if at and at.quantity == "clearance_on_rubber" and at.part.other == of.name:
+        return say("{room} mm free on rubber", room=say.compact_number(at.value / mm, 4))
+    return say("{room} mm free", room=say.compact_number(free / mm, 4))
+
+
+def side_view_in_state(
+    response: LineResponse, say: Translator, s: int, at: Check | None = None
+) -> Figure:
+    """Return the side view of a line in one state, tubes and obstacles true to scale.
+
+    Wound up as at the operating point of a check there. The room an obstacle leaves in that
+    state stands beside it.
+    """
+    if at and at.point:
+        response = line_at_operating_point(response, at.point)
+    layout, c = response.layout[s], UPWARD_AXIS_INDEX_BY_VIEW["side"]
+    rise = float(np.broadcast_to(response.demand.travel, response.joint_angles.shape[:-1])[s])
+    there = tuple(_obstacle_at_travel(o, rise) for o in response.inputs.obstacles)
+    thick = max(t.tube.outer if t.tube else 0.05 for t in response.line.shafts)
+    page = _view_scale(layout, layout, there, c, thick=thick, exaggerations=(1,))
+    angles = np.diff(layout.side)
+    state = check_state_phrase(at, say) if at else say.state(response.demand.states[s])
+    title = say("The line in {state}, from the left, true to scale", state=state)
+    true = response.joint_angles[s]
+    alt = f"{title}. " + "; ".join(
+        f"{say.part(Part('joint', k))}: {say.compact_number(a / deg, 3)} deg"
+        for k, a in enumerate(true, 1)
+    )
+    room = response.clearances.obstacle_clearances[s].min(axis=0) if there else ()
+    drawn = [
+        *(
+            _bar(o, page, c, _clearance_text(o, float(free), at, say))
+            for o, free in zip(there, room, strict=True)
+        ),
+        *_members(response, layout, page, c, layout.side, say),
+        *_bearings(response, layout, page, c, say),
+        *_joints(layout, page, c, angles, say),
+        *_scale_bar(page, say),
+    ]
+    said = say.join(
+        *(
+            f"{say.part(Part('joint', k))} {say.compact_number(a / deg, 3)}°"
+            for k, a in enumerate(true, 1)
+        )
+    )
+    note = say(
+        "At each joint its angle in this view, on each shaft its slope and length. True joint "
+        "angles: {angles}.",
+        angles=said,
+    )
+    return Figure(
+        title=title,
+        svg=svg.svg_document(DRAWING_WIDTH_PX, page.height, *drawn, alt=alt),
+        alt=alt,
+        note=note,
+    )
+
+
+def _obstacle_at_travel(o: Obstacle, rise: float) -> Obstacle:
+    """Return an obstacle where the axle has risen by so much."""
+    up = rise * o.travel_share
+    (x1, y1, z1), (x2, y2, z2) = o.start, o.end
+    return replace(o, start=(x1, y1, z1 + up), end=(x2, y2, z2 + up))
+
+
+def has_known_geometry(response: LineResponse) -> bool:
+    """Return whether somebody knows where the line runs, and not its slopes alone."""
+    return response.line.has_lengths
+
+
+def line_drawings(response: LineResponse, say: Translator) -> tuple[Figure, ...]:
+    """Return every drawing of a line; without lengths it has no views."""
+    names = ("side", "top") if has_known_geometry(response) else ()
+    return (
+        *(side_or_top_view_drawing(response, say, name=name) for name in names),
+        yoke_phasing_drawing(response, say),
+        joint_plane_drawing(response, say),
+        phasor_drawing(response, say),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _ViewScale:
+    """How metres become pixels in a view: along, up, and how much more up than along."""
+
+    start: float
+    low: float
+    scale: float
+    exaggeration: int
+    height: float
+
+    def x(self, along: float) -> float:
+        return MARGIN_LEFT_PX + (along - self.start) * self.scale
+
+    def y(self, up: float) -> float:
+        return self.height - MARGIN_BOTTOM_PX - (up - self.low) * self.scale * self.exaggeration
+
+    @property
+    def matrix(self) -> str:
+        """The same as a transform, so that round things are exaggerated as they must be."""
+        up = self.scale * self.exaggeration
+        return f"matrix({self.scale:.6f} 0 0 {-up:.6f} {self.x(0.0):.3f} {self.y(0.0):.3f})"
+
+
+def side_or_top_view_drawing(response: LineResponse, say: Translator, *, name: str) -> Figure:
+    """Return the `side` or `top` view: as installed, the states behind it, what is in the way."""
+    reference, layout = response.demand.installed.layout, response.layout
+    c = UPWARD_AXIS_INDEX_BY_VIEW[name]
+    thick = max(s.tube.outer if s.tube else 0.05 for s in response.line.shafts)
+    page = _view_scale(
+        reference, layout, response.inputs.obstacles if name == "side" else (), c, thick=thick
+    )
+    slopes = reference.side if name == "side" else reference.top
+    angles = np.diff(slopes)
+    title = say("Side view, from the left") if name == "side" else say("Top view")
+    if page.exaggeration == 1:
+        scale = say("to scale")
+    else:
+        scale = say("to scale, exaggerated {times} times across", times=page.exaggeration)
+    alt = f"{title}, {scale}. " + "; ".join(
+        f"{say.part(Part('joint', k))}: {say.compact_number(a / deg, 3)} deg"
+        for k, a in enumerate(angles, 1)
+    )
+    drawn = [
+        *(_obstacle(o, page, c, say, response) for o in response.inputs.obstacles),
+        *_states(response, page, c, say),
+        *_members(response, reference, page, c, slopes, say),
+        *_bearings(response, reference, page, c, say),
+        *_joints(reference, page, c, angles, say),
+        *_scale_bar(page, say),
+    ]
+    note = say(
+        "Bold: as installed. Light: the states, named at the pinion. At each joint its angle in "
+        "this view, on each shaft its slope and length; angles are the real ones, not the "
+        "exaggerated."
+    )
+    return Figure(
+        title=f"{title}, {scale}",
+        svg=svg.svg_document(DRAWING_WIDTH_PX, page.height, *drawn, alt=alt),
+        alt=alt,
+        note=note,
+    )
+
+
+def _view_scale(
+    reference: Layout,
+    layout: Layout,
+    obstacles: tuple[Obstacle, ...],
+    c: int,
+    *,
+    thick: float,
+    exaggerations: Sequence[int] = VERTICAL_EXAGGERATIONS,
+) -> _ViewScale:
+    """Return the scales of a view in which everything has room."""
+    points = np.concatenate(
+        [reference.points[None], layout.points.reshape(-1, *reference.points.shape)]
+    )
+    along, up = points[..., 0], points[..., c]
+    length = float(np.ptp(along))
+    near = [
+        (p[c] - o.radius, p[c] + o.radius)
+        for o in obstacles
+        for p in (o.start, o.end)
+        if abs(p[c] - up.mean()) < 0.3 * length
+    ]
+    low = min([float(up.min()) - thick / 2, *(a for a, _ in near)]) - 0.02
+    high = max([float(up.max()) + thick / 2, *(b for _, b in near)]) + 0.02
+    scale = (DRAWING_WIDTH_PX - MARGIN_LEFT_PX - MARGIN_RIGHT_PX) / (
+        length * (1 + 2 * END_STUB_TO_LINE_LENGTH_RATIO)
+    )
+    times = next((k for k in exaggerations if (high - low) * scale * k <= MAX_VIEW_HEIGHT_PX), 1)
+    height = max((high - low) * scale * times, 60.0) + MARGIN_TOP_PX + MARGIN_BOTTOM_PX + 40
+    spare = (height - MARGIN_TOP_PX - MARGIN_BOTTOM_PX) / (scale * times) - (high - low)
+    return _ViewScale(
+        start=float(along.min()) - END_STUB_TO_LINE_LENGTH_RATIO * length,
+        low=low - spare / 2,
+        scale=scale,
+        exaggeration=times,
+        height=height,
+    )
+
+
+def _ends(layout: Layout) -> FloatArray:
+    """Return the points of a line with its gearbox and pinion stubs, (..., n+2, 3)."""
+    points, d = layout.points, layout.directions
+    stub = END_STUB_TO_LINE_LENGTH_RATIO * np.linalg.norm(
+        points[..., -1:, :] - points[..., :1, :], axis=-1, keepdims=True
+    )
+    first = points[..., :1, :] - stub * d[..., :1, :]
+    last = points[..., -1:, :] + stub * d[..., -1:, :]
+    return np.concatenate([first, points, last], axis=-2)
+
+
+def _states(response: LineResponse, page: _ViewScale, c: int, say: Translator) -> Iterator[str]:
+    """Yield every state as a light line, and names with leaders beside their pinions."""
+    lines = _ends(response.layout)
+    names = [say.state(s) for s in response.demand.states]
+    ends: dict[tuple[float, float], list[str]] = {}
+    for points, name in zip(lines, names, strict=True):
+        x, y = [page.x(p) for p in points[:, 0]], [page.y(p) for p in points[:, c]]
+        yield svg.path(x, y, stroke=SERIES_COLOURS[5], stroke_width=1.1, stroke_opacity=0.75)
+        ends.setdefault((round(float(x[-1])), round(float(y[-1]))), []).append(name)
+    place = -np.inf
+    for (x, y), said in sorted(ends.items(), key=lambda e: e[0][1]):
+        place = max(y, place + 13)
+        shown = ", ".join(said) if len(said) < 3 else f"{said[0]}, {said[1]} …"
+        shown = shown if len(shown) < 27 else shown[:26] + "…"
+        yield svg.path(
+            [x + 2, x + 14, x + 18], [y, place, place], stroke=SECONDARY_COLOUR, stroke_width=0.6
+        )
+        yield svg.text(x + 21, place + 3.5, shown, font_size=10.5)
+
+
+def _members(
+    response: LineResponse,
+    layout: Layout,
+    page: _ViewScale,
+    c: int,
+    slopes: FloatArray,
+    say: Translator,
+) -> Iterator[str]:
+    """Yield stubs and shafts, as thick as their tubes, with slopes and lengths."""
+    points = _ends(layout)
+    drawn: list[str] = []
+    for k in range(len(points) - 1):
+        shaft = response.line.shafts[k - 1] if 0 < k < len(points) - 2 else None
+        wide = shaft.tube.outer if shaft and shaft.tube else 0.05
+        (x1, y1), (x2, y2) = points[k, [0, c]], points[k + 1, [0, c]]
+        drawn.append(
+            svg.svg_element(
+                "path",
+                d=f"M{x1:.5f} {y1:.5f}L{x2:.5f} {y2:.5f}",
+                stroke="#9db4c8" if shaft else "#c9ced6",
+                stroke_width=f"{wide:.5f}",
+                stroke_opacity=0.55,
+                fill="none",
+            )
+        )
+    yield svg.group(drawn, transform=page.matrix)
+    yield svg.path(
+        [page.x(p[0]) for p in points],
+        [page.y(p[c]) for p in points],
+        stroke=TEXT_COLOUR,
+        stroke_width=1.6,
+    )
+    lengths = layout.lengths / mm
+    for k, slope in enumerate(slopes):
+        a, b = points[k], points[k + 1]
+        x, y = page.x((a[0] + b[0]) / 2), page.y((a[c] + b[c]) / 2)
+        said = f"{say.compact_number(slope / deg, 3)}°"
+        if 0 < k < len(slopes) - 1:
+            said += f" · {say.compact_number(lengths[k - 1], 4)} mm"
+        yield svg.text(x, page.height - 26, said, anchor="middle", font_size=11)
+        yield svg.line(x, y, x, page.height - 37, stroke=GRID_COLOUR, stroke_width=0.8)
+
+
+def _bearings(
+    response: LineResponse, layout: Layout, page: _ViewScale, c: int, say: Translator
+) -> Iterator[str]:
+    """Yield the centre bearings, hung on the frame."""
+    for k, shaft in enumerate(response.line.shafts[:-1]):
+        if not shaft.centre_bearing:
+            continue
+        p = layout.points[k + 1] - shaft.centre_bearing.from_rear_joint * layout.directions[k + 1]
+        x, y = page.x(p[0]), page.y(p[c])
+        yield svg.rect(
+            x - 5, y - 13, 10, 26, fill="none", stroke=VERDICT_COLOURS["pass"], stroke_width=2
+        )
+        yield svg.line(x, y - 13, x, y - 30, stroke=VERDICT_COLOURS["pass"], stroke_width=2)
+        yield svg.line(
+            x - 11, y - 30, x + 11, y - 30, stroke=VERDICT_COLOURS["pass"], stroke_width=2
+        )
+        said = say.part(Part("centre bearing", k + 1))
+        yield svg.text(x, y - 35, said, anchor="middle", font_size=11, fill=VERDICT_COLOURS["pass"])
+
+
+def _joints(
+    layout: Layout, page: _ViewScale, c: int, angles: FloatArray, say: Translator
+) -> Iterator[str]:
+    """Yield the joints with their numbers and angles."""
+    for k, (p, angle) in enumerate(zip(layout.points, angles, strict=True), 1):
+        x, y = page.x(p[0]), page.y(p[c])
+        yield svg.circle(x, y, 9, fill="#ffffff", stroke=TEXT_COLOUR, stroke_width=1.6)
+        yield svg.text(x, y + 4, str(k), anchor="middle", font_size=11, font_weight="bold")
+        said = f"{say.compact_number(angle / deg, 3)}°"
+        yield svg.text(x, y + 25, said, anchor="middle", font_weight="bold")
+
+
+def _obstacle(
+    o: Obstacle, page: _ViewScale, c: int, say: Translator, response: LineResponse
+) -> str:
+    """Return an obstacle with the least room that any state leaves it."""
+    k = response.inputs.obstacles.index(o)
+    free = response.clearances.obstacle_clearances[..., k].min(-1)
+    s = int(np.argmin(free))
+    least = say(
+        "{room} mm in {state}",
+        room=say.compact_number(free[s] / mm, 4),
+        state=say.state(response.demand.states[s]),
+    )
+    return _bar(o, page, c, least)
+
+
+def _bar(o: Obstacle, page: _ViewScale, c: int, said: str) -> str:
+    """Return an obstacle with words beside its name."""
+    (x1, y1), (x2, y2) = ((p[0], p[c]) for p in (o.start, o.end))
+    bar = svg.svg_element(
+        "path",
+        d=f"M{x1:.5f} {y1:.5f}L{x2 + 1e-5:.5f} {y2:.5f}",
+        stroke="#c08a5a",
+        fill="none",
+        stroke_width=f"{max(2 * o.radius, 0.004):.5f}",
+        stroke_linecap="round",
+        stroke_opacity=0.55,
+    )
+    # Beside it, and inside the page where it reaches beyond.
+    x = page.x(max(x1, x2) + o.radius) + 6
+    y = float(np.clip(page.y((y1 + y2) / 2), MARGIN_TOP_PX, page.height - MARGIN_BOTTOM_PX))
+    return (
+        svg.group([bar], transform=page.matrix)
+        + svg.text(x, y - 2, o.name, font_size=10.5, fill="#7a4a1c")
+        + svg.text(x, y + 11, said, font_size=10.5, fill="#7a4a1c")
+    )
+
+
+def _scale_bar(page: _ViewScale, say: Translator) -> Iterator[str]:
+    """Yield a bar of a round length along the line."""
+    size = next(m for m in (1.0, 0.5, 0.2, 0.1, 0.05) if m * page.scale < 320 or m == 0.05)
+    y = page.height - 10
+    x1, x2 = MARGIN_LEFT_PX, MARGIN_LEFT_PX + size * page.scale
+    yield svg.path([x1, x1, x2, x2], [y - 4, y, y, y - 4], stroke=SECONDARY_COLOUR)
+    said = f"{say.compact_number(size / mm)} mm"
+    if page.exaggeration > 1:
+        said += "  (" + say("along the line; {times}:1 across", times=page.exaggeration) + ")"
+    yield svg.text(x2 + 6, y, said, font_size=10.5, fill=SECONDARY_COLOUR)
+
+
+def yoke_phasing_drawing(response: LineResponse, say: Translator) -> Figure:
+    """Return how the yokes of each shaft stand to each other, for the one who fits them."""
+    shafts = response.line.shafts
+    each = 300.0
+    drawn: list[str] = []
+    words: list[str] = []
+    for k, shaft in enumerate(shafts):
+        x = 10 + (k % 3) * (each + 20)
+        y = 20 + (k // 3) * 190
+        said = _phase_text(shaft.phase, say)
+        words.append(f"{say.part(Part('shaft', k + 1))}: {said}")
+        drawn += [
+            svg.text(x, y, f"{say.part(Part('shaft', k + 1))}: {said}", font_weight="bold"),
+            *_yoke_shapes(x, y + 55, each, shaft.phase),
+            *_pin_axes_dial(x + each / 2, y + 128, shaft.phase, say),
+        ]
+    columns, rows = min(len(shafts), 3), -(-len(shafts) // 3)
+    alt = say("Yoke phasing") + ". " + "; ".join(words)
+    note = say(
+        "Pin axis: the axis of a yoke's two ears. Dial: front yoke (solid) and rear yoke (dashed) "
+        "of the shaft seen from the gearbox, looking rearward; a positive phase turns the rear "
+        "yoke clockwise."
+    )
+    height = 20 + 190.0 * rows
+    return Figure(
+        title=say("Yoke phasing"),
+        svg=svg.svg_document(20 + columns * (each + 20), height, *drawn, alt=alt),
+        alt=alt,
+        note=note,
+    )
+
+
+def _phase_text(phase: float, say: Translator) -> str:
+    """Return a phase in words, with its angle where it is an odd one."""
+    turned = round(phase / deg, 6) % 180
+    if turned in (0, 180):
+        return say("aligned (0 deg)")
+    if turned == 90:
+        return say("crossed (90 deg)")
+    return say("turned {angle} deg", angle=say.compact_number(phase / deg, 4))
+
+
+def _yoke_shapes(x: float, y: float, wide: float, phase: float) -> Iterator[str]:
+    """Yield a shaft from the side, its front yoke's ears up and down."""
+    ear, tube = 17.0, 9.0
+    a, b = x + 46, x + wide - 46
+    yield svg.rect(
+        a, y - tube, b - a, 2 * tube, fill="#e3eaf1", stroke=TEXT_COLOUR, stroke_width=1.4
+    )
+    for end, way, turned in ((a, -1.0, 0.0), (b, 1.0, phase)):
+        up, out = abs(np.cos(turned)), abs(np.sin(turned))
+        tip = end + way * 40
+        if up > 0.05:
+            for side in (-1, 1):
+                yield svg.path(
+                    [end, end + way * 12, tip, tip, end + way * 16, end],
+                    [
+                        y,
+                        y + side * ear * up,
+                        y + side * ear * up,
+                        y + side * (ear * up - 6 * up),
+                        y + side * (ear * up - 6 * up),
+                        y,
+                    ],
+                    close=True,
+                    fill="#9db4c8",
+                    stroke=TEXT_COLOUR,
+                    stroke_width=1.2,
+                )
+            yield svg.line(
+                tip - way * 8,
+                y - ear * up - 5,
+                tip - way * 8,
+                y + ear * up + 5,
+                stroke=SERIES_COLOURS[1],
+                stroke_width=1.2,
+                stroke_dasharray="5 2 1 2",
+            )
+        if out > 0.05:
+            yield svg.path(
+                [end, tip, tip, end],
+                [y - 9 * out, y - 9 * out, y + 9 * out, y + 9 * out],
+                close=True,
+                fill="#9db4c8",
+                stroke=TEXT_COLOUR,
+                stroke_width=1.2,
+            )
+            yield svg.circle(
+                tip - way * 10,
+                y,
+                6 * out,
+                fill="#ffffff",
+                stroke=SERIES_COLOURS[1],
+                stroke_width=1.4,
+            )
+
+
+def _pin_axes_dial(x: float, y: float, phase: float, say: Translator) -> Iterator[str]:
+    """Yield the two pin axes seen from the gearbox; right-handed about the shaft is clockwise."""
+    r = 34.0
+    yield svg.circle(x, y, r, fill="none", stroke=SECONDARY_COLOUR)
+    yield svg.line(x, y - r - 5, x, y + r + 5, stroke=SERIES_COLOURS[0], stroke_width=3)
+    sx, sy = (r + 5) * np.sin(phase), -(r + 5) * np.cos(phase)
+    yield svg.line(
+        x - sx,
+        y - sy,
+        x + sx,
+        y + sy,
+        stroke=SERIES_COLOURS[1],
+        stroke_width=3,
+        stroke_dasharray="6 4",
+    )
+    yield svg.text(
+        x - r - 14, y + 4, say("front yoke"), anchor="end", font_size=11, fill=SERIES_COLOURS[0]
+    )
+    yield svg.text(x + r + 14, y + 4, say("rear yoke"), font_size=11, fill=SERIES_COLOURS[1])
+
+
+def joint_plane_drawing(response: LineResponse, say: Translator) -> Figure:
+    """Return the joints' planes seen from behind: which way each bends, and how much."""
+    s = worst_state_index(response)
+    side, top = response.kinematics.side_angles[s] / deg, response.kinematics.top_angles[s] / deg
+    reach = max(float(np.hypot(side, top).max()), 0.1) * 1.15
+    chart = Chart(
+        say=say,
+        x=(-reach, reach),
+        y=(-reach, reach),
+        equal_aspect=True,
+        width=460,
+        height=380,
+        x_label=say("bend to the right, top view angle [deg]"),
+        y_label=say("bend upward, − side view angle [deg]"),
+    )
+    for k, (bv, bh) in enumerate(zip(side, top, strict=True)):
+        chart.add_elements(
+            svg.arrow(
+                *chart.point_to_pixels(0, 0),
+                *chart.point_to_pixels(bh, -bv),
+                stroke=SERIES_COLOURS[k % 7],
+                stroke_width=2.2,
+            )
+        )
+        chart.add_series(
+            DataSeries(
+                name=_joint_text(response, s, k, say),
+                x=np.array([bh]),
+                y=np.array([-bv]),
+                draw_line=False,
+                draw_markers=True,
+                labels=(str(k + 1),),
+            ),
+            k,
+        )
+    title = say("Joint planes in {state}", state=say.state(response.demand.states[s]))
+    alt = f"{title}. " + "; ".join(
+        _joint_text(response, s, k, say) for k in range(response.line.joint_count)
+    )
+    note = say(
+        "Seen from behind, looking forward: where each joint bends the line. Position φ is "
+        "counted from the right, over down."
+    )
+    return chart.to_figure(title=title, alt=alt, note=note)
+
+
+def _joint_text(response: LineResponse, s: int, k: int, say: Translator) -> str:
+    """Return a joint with angle and position."""
+    angle, position = (
+        response.joint_angles[s, k] / deg,
+        response.kinematics.joint_plane_positions[s, k] / deg,
+    )
+    part = say.part(Part("joint", k + 1))
+    return f"{part}: β {say.compact_number(angle, 3)}°, φ {say.compact_number(position, 4)}°"
+
+
+def phasor_drawing(response: LineResponse, say: Translator) -> Figure:
+    """Return how the joints add up or cancel: AE-7's phasors of squared angles, head to tail."""
+    s = worst_state_index(response)
+    side, top, phases = response.kinematics.phasor_angles
+    terms = ae7_phasor_terms(side[s], top[s], phases=phases)
+    terms = terms / deg**2
+    ends: ComplexArray = np.cumsum(np.concatenate([np.zeros_like(terms[:1]), terms]))
+    total = ends[-1]
+    radii: list[tuple[str, float]] = []
+    speed = response.demand.speed[s]
+    for limit in response.application.limits:
+        if limit.quantity == "torsional_acceleration" and speed > 0:
+            radii += [
+                (grade, bound / speed**2 / deg**2)
+                for grade, bound in (("warn", limit.normal), ("fail", limit.maximum))
+                if bound is not None
+            ]
+    reach = 1.1 * max(
+        [float(np.abs(ends).max()), 0.05, *(r for _, r in radii if r < 6 * np.abs(ends).max())]
+    )
+    chart = Chart(
+        say=say,
+        x=(-reach, reach),
+        y=(-reach, reach),
+        equal_aspect=True,
+        width=460,
+        height=380,
+        x_label=say("along position 0 [deg²]"),
+        y_label=say("along position 45 deg [deg²]"),
+    )
+    turn = np.linspace(0, 2 * np.pi, 97)
+    for grade, radius in radii:
+        if radius < 1.5 * reach:
+            x, y = chart.to_pixels(radius * np.cos(turn), radius * np.sin(turn))
+            inside = (np.abs(radius * np.cos(turn)) <= chart.x[1]) & (
+                np.abs(radius * np.sin(turn)) <= chart.y[1]
+            )
+            x = np.where(inside, x, np.nan)
+            chart.add_elements(
+                svg.path(x, y, stroke=VERDICT_COLOURS[grade], stroke_dasharray="5 3")
+            )
+    # Joints in one plane add up along one line: drawn beside each other they can be told apart.
+    apart = 7.0 if float(np.ptp(ends.imag)) < 0.02 * float(np.ptp(ends.real)) else 0.0
+    for k, (a, b) in enumerate(pairwise(ends)):
+        (x1, y1), (x2, y2) = (
+            chart.point_to_pixels(a.real, a.imag),
+            chart.point_to_pixels(b.real, b.imag),
+        )
+        y1, y2 = y1 - apart * (k + 1), y2 - apart * (k + 1)
+        chart.add_elements(
+            svg.arrow(x1, y1, x2, y2, stroke=SERIES_COLOURS[k % 7], stroke_width=2.2)
+        )
+        chart.add_elements(
+            svg.text(
+                (x1 + x2) / 2,
+                (y1 + y2) / 2 - 4,
+                str(k + 1),
+                font_size=11,
+                fill=SERIES_COLOURS[k % 7],
+            )
+        )
+        chart.add_legend_entry(say.part(Part("joint", k + 1)), k)
+    chart.add_elements(
+        svg.arrow(
+            *chart.point_to_pixels(0, 0),
+            *chart.point_to_pixels(total.real, total.imag),
+            stroke=TEXT_COLOUR,
+            stroke_width=3,
+            size=12,
+        )
+    )
+    state = say.state(response.demand.states[s])
+    title = say("How the joints add up in {state}", state=state)
+    angle = say.number(float(np.sqrt(abs(total))))
+    note = say(
+        "Each joint adds an arrow as long as its squared angle, turned by twice its position and "
+        "by the yoke phases before it (AE-7). Black: the sum, equivalent angle {angle} deg. "
+        "Dashed circles: limits of torsional acceleration at this speed.",
+        angle=angle,
+    )
+    return chart.to_figure(title=title, alt=f"{title}. {note}", note=note)

@@ -1,0 +1,1 @@
+"""Torsional and lateral vibration, stability, run-up, backlash."""

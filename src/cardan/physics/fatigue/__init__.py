@@ -1,0 +1,1 @@
+"""Textbook fatigue: cycle counting, S-N curves, damage, crack growth, reliability."""

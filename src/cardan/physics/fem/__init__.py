@@ -1,0 +1,1 @@
+"""Finite elements of the bracket. Needs the extra `cardan[bracket]` (NGSolve), imported late."""

@@ -1,0 +1,1 @@
+"""Kinematics of universal joints: one, a chain of them, equivalent angle."""

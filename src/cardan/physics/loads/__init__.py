@@ -1,0 +1,1 @@
+"""Loads of joints, centre bearings and flanges over one revolution."""

@@ -1,0 +1,531 @@
+"""A line's bearings at many points, nearly: where a force is largest is sought on this.
+
+Points of one state differ in torque and speed, and the torque moves the axle. What follows
+from angles alone, how one newton metre pushes the coordinates, how that follows their motion and
+what statics makes of it, is smooth in that: a parabola through three rides of the axle. What
+is left to do at a point is the algebra of a few coordinates
+(`cardan.physics.loads.frequency_response`).
+
+Left out is the shafts' inertia, whose share is small where resonance is.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from math import prod
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from cardan.core.arrays import (
+    ArrayLike,
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    broadcastable_axis_indices,
+)
+from cardan.core.batched_linalg import (
+    CACHE_BLOCK_CASES,
+    CaseBlockSlices,
+    broadcast_cases,
+    cache_blocks,
+    matrix_axes_first,
+    matrix_axes_last,
+    matrix_product,
+    move_valid_points_to_front,
+    slice_case_block,
+    solve,
+)
+from cardan.core.lazy_dataclass import dataclass
+from cardan.model.layout import Layout
+from cardan.model.parts import Line
+from cardan.physics.kinematics.joint_chain import rotate_chain
+from cardan.physics.loads.centre_bearing import unbalance_excitation
+from cardan.physics.loads.half_turn_fourier import semi_major_axis
+from cardan.physics.loads.rubber_mount import MountedLine
+from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust, joint_loads
+
+_ALONG = ((-1.0, 0.0), (0.0, 0.0), (1.0, 0.0))
+_BESIDE = ((0.0, -1.0), (0.0, 1.0), (1.0, 1.0))
+
+_Bent: TypeAlias = tuple[Any, ...]
+"""Coefficients of 1, x, x², y, y² and xy of what follows a ride (x, y): the first three if an axle
+goes straight, the first alone if nothing moves it. Components first, the cases (..., S) last."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ForceMagnitudes:
+    """Sizes of what `BearingForces` has of the centre bearings, (..., n-2): forces in N, or m."""
+
+    static: FloatArray
+    dynamic: FloatArray
+    peak: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ShaftReachIntoObstacles:
+    """How far shafts reach into what they face, (..., R) m: below 0 there is room."""
+
+    reach: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AxleTravelByTorque:
+    """Where an axle rides at some points: by the torque on it, and how high its springs have it.
+
+    Attributes
+    ----------
+    least, largest : (..., S) N m
+        Torques on the axle.
+    lowest, highest : (..., S) m
+        Its travel under these; between them it goes nearly straight.
+    away : (..., S) m
+        How far it goes off that at most.
+    moves
+        Whether it rides in more ways than one.
+    """
+
+    least: FloatArray
+    largest: FloatArray
+    lowest: FloatArray
+    highest: FloatArray
+    away: FloatArray
+    has_motion: bool
+
+    @property
+    def nodes(self) -> tuple[tuple[float, float], ...]:
+        """Rides (x, y), -1 to 1, at which the line's angles are asked."""
+        if not self.has_motion:
+            return _ALONG[1:2]
+        return (*_ALONG, *_BESIDE) if self.away.any() else _ALONG
+
+    def torque_and_travel(self, x: float, y: float) -> tuple[FloatArray, FloatArray]:
+        """Return the torque on the axle and its travel of a ride, (..., S) N m, m."""
+        torque, travel = (
+            (a + b) / 2 + x * (b - a) / 2
+            for a, b in ((self.least, self.largest), (self.lowest, self.highest))
+        )
+        return torque, travel + y * self.away
+
+    def normalised_coordinates(
+        self, on_axle: ArrayLike, travel: ArrayLike
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the rides (x, y) of torques on the axle and travels, (P, ..., S) N m, m."""
+        half = (self.largest - self.least) / 2
+        x = (np.asarray(on_axle) - (self.largest + self.least) / 2) / np.where(half > 0, half, 1.0)
+        line = (self.lowest + self.highest) / 2 + x * (self.highest - self.lowest) / 2
+        return x, (np.asarray(travel) - line) / np.where(self.away > 0, self.away, 1.0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ObstacleCandidates:
+    """Where shafts may hit something: R places that face it.
+
+    Attributes
+    ----------
+    free : (rides, ..., S, R) m
+        Distance there at each of the nodes of `AxleTravelByTorque`.
+    nearer : (..., S, R, n-1, 2, 3)
+        How much nearer it comes for each metre of the ends of the shafts.
+    """
+
+    clearance: FloatArray
+    approach_matrix: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ScreenedThrust:
+    """What thrust in the sliding fit does to a line on its rubber; cases last.
+
+    The first axis has the largest torque ahead and astern, the second the spline pushed in and
+    drawn out. A smaller slip force does less in proportion.
+
+    Attributes
+    ----------
+    force : (2, 2, B, ...) N
+        What is added to the mean on the bearings, in their directions.
+    compression : (2, 2, n-2, ...) N
+    own_compression : (2, 2, ...) N
+        Where the line lies.
+    moved : (2, 2, N, ...) m
+        What that moves of the coordinates.
+    """
+
+    force: FloatArray
+    compression: FloatArray
+    own_compression: FloatArray
+    moved: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BearingForceScreeningModel:
+    """A line on its rubber at all rides of its axle; N coordinates, B = 3 (n-2) directions.
+
+    Attributes
+    ----------
+    on
+        How it can move.
+    rides
+        Where the axle is.
+    pushes : (N, ...) N
+        What orders 0 and 2 of 1 N m do on the coordinates.
+    swing : (N, N, ...)
+        How order 2 of that follows the coordinates.
+    borne : (B, ...) N
+        Orders 0 and 2 of 1 N m on the bearings, less what the coordinates take at rest.
+    twisted
+        What order 2 of the three, in this order, gains for each N m more: it twists the shafts.
+    weight : (B, ...) N
+        On the bearings.
+    thrust
+        What thrust in the sliding fit does; None where nobody knows.
+    rows : (B, N, ...)
+        Motion in the bearings' directions.
+    springs, loss : (B, ...) N/m, 1
+    gives : (B, ...) m/N
+        Of the rubber across the shafts; 0 along them.
+    turning : (N, 2 (n-1), ...) N s²
+        What unbalance of each end does on the coordinates at 1 rad/s; None leaves it out.
+    free : (R, ...) m
+        How far off is what shafts face.
+    nearer : (R, N, ...)
+        How much nearer the coordinates bring it.
+    """
+
+    mounted_line: MountedLine
+    axle_positions: AxleTravelByTorque
+    coordinate_forces: tuple[_Bent, _Bent]
+    order2_coupling: _Bent
+    direct_bearing_forces: tuple[_Bent, _Bent]
+    twist_gains: tuple[_Bent, _Bent, _Bent]
+    weight_forces: _Bent
+    thrust: ScreenedThrust | None
+    bearing_matrix: FloatArray
+    bearing_stiffness: FloatArray
+    loss: FloatArray
+    rubber_compliance: FloatArray
+    unbalance_excitation: ComplexArray | None
+    clearance: _Bent
+    approach_matrix: FloatArray
+
+    def bearing_forces_at(
+        self,
+        torque: ArrayLike,
+        *,
+        speed: ArrayLike,
+        on_axle: ArrayLike,
+        travel: ArrayLike,
+        slip: ArrayLike,
+        gives: bool = False,
+    ) -> tuple[ForceMagnitudes, ShaftReachIntoObstacles]:
+        """Return what the bearings carry at points (P, ..., S), and how far shafts reach.
+
+        Parameters
+        ----------
+        torque, speed, on_axle, travel : (P, ..., S) N m, rad/s, N m, m
+            Where a torque is nan there is no point, and no force.
+        slip : (P, ..., S) N
+            Thrust at which the sliding fit slips; nan where nobody knows, and none counts.
+        gives
+            Return how far rubber gives across the shafts, in m for N, weight apart.
+        """
+        there = ~np.isnan(torque)
+        ride = self.axle_positions.normalised_coordinates(on_axle, travel)
+        given = np.broadcast_arrays(*(np.nan_to_num(v) for v in (torque, speed, *ride, slip)))
+        cases = given[0].shape
+        if len(cases) != 3 or prod(cases) <= CACHE_BLOCK_CASES:
+            sizes = np.empty((self._told, *cases))
+            for some in cache_blocks(cases):
+                slice_case_block(sizes, some)[...] = self._some(
+                    some, *(slice_case_block(v, some) for v in given), gives=gives
+                )
+        else:
+            sizes = self._packed(np.broadcast_to(there, cases), given, gives=gives)
+        sizes = np.moveaxis(sizes + np.where(there, 0.0, np.nan), 0, -1)
+        bearings = len(self.bearing_matrix) // 3
+        static, dynamic, peak, reach = np.split(sizes, np.arange(1, 4) * bearings, axis=-1)
+        return ForceMagnitudes(static=static, dynamic=dynamic, peak=peak), ShaftReachIntoObstacles(
+            reach=reach
+        )
+
+    @property
+    def order2_terms(self) -> Iterator[tuple[_Bent, _Bent]]:
+        """Order 2 of pushes, swing and what is borne; each without torque, and what it gains."""
+        return zip(
+            (self.coordinate_forces[1], self.order2_coupling, self.direct_bearing_forces[1]),
+            self.twist_gains,
+            strict=True,
+        )
+
+    @property
+    def _told(self) -> int:
+        """How many sizes there are: three of each bearing, one of each place that faces what."""
+        return len(self.bearing_matrix) + len(self.approach_matrix)
+
+    def _packed(self, there: BoolArray, given: Sequence[FloatArray], *, gives: bool) -> FloatArray:
+        """Return sizes (X, P, V, S), state by state: one has many points, another few."""
+        packs, counts, place = move_valid_points_to_front(there, *given)
+        packs = [np.ascontiguousarray(np.moveaxis(v, -1, 0)) for v in packs]
+        found = np.zeros((self._told, *packs[0].shape))
+        for state, count in enumerate(counts.tolist()):
+            step = max(1, CACHE_BLOCK_CASES // max(count, 1))
+            for start in range(0, there.shape[1], step) if count else ():
+                some = slice(start, start + step)
+                each = (v[state, :count, some, None] for v in packs)
+                found[:, state, :count, some] = self._some(
+                    (some, slice(state, state + 1)), *each, gives=gives
+                )[..., 0]
+        _, variant, state = broadcastable_axis_indices(there.shape)
+        return found[:, state, place, variant]
+
+    def transient_bearing_forces(
+        self,
+        time: FloatArray,
+        turned: FloatArray,
+        *,
+        torque: FloatArray,
+        speed: FloatArray,
+        on_axle: FloatArray,
+        travel: FloatArray,
+        slip: FloatArray,
+    ) -> FloatArray:
+        """Return what the bearings carry along a drive, step by step from rest, (P, n-2) N.
+
+        Of a sketch of one case, at the worst thrust of each instant, without unbalance. Steps
+        by the implicit midpoint; the rubber's loss is that of dampers that lose as much at each
+        mode. What modes beyond the sketch's bear, they bear at once.
+
+        Parameters
+        ----------
+        time : (P,) s
+            Of even steps, short against the fastest mode.
+        turned : (P,) rad
+            How far the gearbox's yoke has turned.
+        torque, speed, on_axle, travel, slip : (P,)
+            As `at` has them, at each instant.
+        """
+        ride = self.axle_positions.normalised_coordinates(on_axle, travel)
+
+        def bent(values: _Bent) -> Any:
+            return _at_ride([v[..., None] for v in values], *ride)
+
+        wave = np.exp(2j * turned)
+        f0, r0 = (torque * bent(v[0]) for v in (self.coordinate_forces, self.direct_bearing_forces))
+        f2, swing, r2 = (
+            torque * (bent(still) + torque * bent(more)) for still, more in self.order2_terms
+        )
+        on, N = self.mounted_line, len(f0)
+        squares, shapes, decay = on.modes_with_decay(0.0)
+        modal = on.mass @ shapes
+        K = matrix_axes_last(
+            on.case_last_matrices.select_cases(slice(None), 1).stiffness_under_torque(torque)
+            - (swing * wave).real,
+            of=2,
+        )
+        C = (modal * (2 * decay)) @ modal.T + speed[:, None, None] * on.gyroscopic
+        inverse = np.linalg.inv(on.mass)
+        slope = np.zeros((len(time), 2 * N, 2 * N))
+        slope[:, :N, N:], slope[:, N:, :N], slope[:, N:, N:] = np.eye(N), -inverse @ K, -inverse @ C
+        given = np.zeros((len(time), 2 * N))
+        given[:, N:] = (f0 + (f2 * wave).real).T @ inverse
+        h, one = np.diff(time)[:, None, None], np.eye(2 * N)
+        half = h / 4 * (slope[1:] + slope[:-1])
+        kick = h / 2 * (given[1:] + given[:-1])[..., None]
+        steps = np.linalg.solve(one - half, np.concatenate([one + half, kick], axis=-1))
+        states = np.zeros((len(time), 2 * N))
+        for k, step in enumerate(steps):
+            states[k + 1] = step[:, :-1] @ states[k] + step[:, -1]
+        # Rubber's dampers, which lose what it loses at each mode.
+        slow = shapes / np.sqrt(squares) @ modal.T
+        give = states[:, :N] + self.loss[:, None, None] * (states[:, N:] @ slow.T)
+        pulled = self.bearing_stiffness[:, None] * (self.bearing_matrix[:, None, :] * give).sum(-1)
+        mean = r0 + (r2 * wave).real + bent(self.weight_forces) + pulled
+        drawn, _ = self._thrust(torque, slip, lambda values, _: values[..., None])
+        return np.maximum.reduce([_size(mean + more) for more in (0.0, *drawn)]).T
+
+    def _thrust(
+        self, torque: Any, slip: Any, own: Callable[[Any, int], Any]
+    ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Return what thrust adds to bearings (B, ...) and coordinates (N, ...), either way.
+
+        `own` gives what the cases of the points have, of arrays with so many axes before them.
+        """
+        if self.thrust is None:
+            return (), ()
+        forces, moves = [], []
+        for way in (0, 1):
+
+            def here(values: Any, of: int, way: int = way) -> Any:
+                return np.where(torque >= 0, *(own(v[way], of) for v in values))
+
+            P = here(self.thrust.compression, 1)
+            share = np.repeat(held_share(slip, P), 3, axis=0)
+            forces.append(here(self.thrust.force, 1) * share)
+            share = held_share(slip, here(self.thrust.own_compression, 0))
+            moves.append(here(self.thrust.moved, 1) * share)
+        return tuple(forces), tuple(moves)
+
+    def _some(
+        self, some: CaseBlockSlices, T: Any, omega: Any, x: Any, y: Any, slip: Any, *, gives: bool
+    ) -> FloatArray:
+        """Return mean, orders, peak and reach (X, P, ...) N, or m, of a stretch of the cases."""
+
+        def own(values: Any, of: int) -> Any:
+            return slice_case_block(broadcast_cases(values, T.ndim, of=of), some)
+
+        def bent(values: _Bent, of: int = 1) -> Any:
+            return _at_ride([own(v, of) for v in values], x, y)
+
+        line = self.mounted_line.case_last_matrices.select_cases(some, T.ndim)
+        f0, r0 = (T * bent(v[0]) for v in (self.coordinate_forces, self.direct_bearing_forces))
+        f2, swing, r2 = (
+            T * (bent(still, of) + T * bent(more, of))
+            for (still, more), of in zip(self.order2_terms, (1, 2, 1), strict=True)
+        )
+        q0, q2, q4 = line.harmonic_balance(f0, f2, None, (swing, None), speed=omega, torque=T)
+        rows, springs = own(self.bearing_matrix, 2), own(self.bearing_stiffness, 1)
+        firm = springs * (1 + 1j * np.sign(omega) * own(self.loss, 1))
+        weight = bent(self.weight_forces)
+        drawn, moved = self._thrust(T, slip, own)
+        if gives:
+            soft = own(self.rubber_compliance, 1)
+            r0, r2, weight = soft * r0, soft * r2, 0.0 * weight
+            drawn = tuple(soft * more for more in drawn)
+            springs = firm = soft * springs  # what rubber loses turns its force, not its motion
+        mean = r0 + weight + springs * matrix_product(rows, q0)
+        static = np.maximum.reduce([_size(mean + more) for more in (0.0, *drawn)])
+        dynamic = _axis(r2 + firm * matrix_product(rows, q2)) + _axis(
+            firm * matrix_product(rows, q4)
+        )
+        peak = static + dynamic
+        nearer = own(self.approach_matrix, 2)
+        reach = matrix_product(nearer, q0) - bent(self.clearance)
+        reach = reach + np.maximum.reduce([0 * reach, *(matrix_product(nearer, q) for q in moved)])
+        reach += np.abs(matrix_product(nearer, q2)) + np.abs(matrix_product(nearer, q4))
+        if self.unbalance_excitation is not None:
+            moved = solve(
+                line.dynamic_stiffness(omega, omega, T),
+                omega**2 * own(self.unbalance_excitation, 2),
+            )
+            peak = peak + _axis(firm[:, None] * matrix_product(rows, moved)).sum(axis=1)
+            reach += np.abs(matrix_product(nearer, moved)).sum(axis=1)
+        return np.concatenate([static, dynamic, peak, reach])
+
+
+def bearing_force_screening_model(
+    on: MountedLine,
+    layouts: Layout,
+    line: Line,
+    phases: ArrayLike,
+    *,
+    rides: AxleTravelByTorque,
+    most: ArrayLike,
+    gravity: float = 0.0,
+    balanced_at: ArrayLike | None = None,
+    facing: ObstacleCandidates | None = None,
+    thrust: ScreenedThrust | None = None,
+) -> BearingForceScreeningModel:
+    """Return a line for all points of some rides of its axle.
+
+    Where it runs at each of their nodes is on the first axis of `layouts` (rides, ..., S, n, 3);
+    what it is `facing` there. The `most` torque of the points,
+    (..., S) N m, twists its shafts either way, and others in proportion. Other arguments are
+    those of `cardan.physics.loads.centre_bearing.bearing_forces`.
+    """
+    most = np.where(np.asarray(most) > 0, most, 1.0)
+    ahead, back = (
+        _of_one(on, layouts, line, line.phases_under_torque(phases, T)) for T in (most, -most)
+    )
+    # Between the two it goes straight, and where there is no torque nothing is left of it.
+    f0, f2, r0, r2, swing = ((a + b) / 2 for a, b in zip(ahead, back, strict=True))
+    gains = [
+        (a - b) / (2 * most.reshape(*most.shape, *(1,) * of))
+        for a, b, of in zip(ahead, back, (1, 1, 1, 1, 2), strict=True)
+    ]
+    weight, _ = bearing_forces_of_weight_and_thrust(layouts, line, gravity=gravity)
+    if facing is None:
+        free = np.empty((1, *layouts.points.shape[1:-2], 0))
+        nearer = np.empty((*layouts.points.shape[1:-2], 0, on.mass.shape[-1]))
+    else:
+        free, nearer = facing.clearance, on.weighted_end_motion(facing.approach_matrix)
+    return BearingForceScreeningModel(
+        mounted_line=on,
+        axle_positions=rides,
+        coordinate_forces=(_parabola(f0.real), _parabola(f2)),
+        order2_coupling=_parabola(swing, of=2),
+        direct_bearing_forces=(_parabola(r0.real), _parabola(r2)),
+        twist_gains=(_parabola(gains[1]), _parabola(gains[4], of=2), _parabola(gains[3])),
+        weight_forces=_parabola(_across(on, weight)),
+        thrust=thrust,
+        bearing_matrix=matrix_axes_first(on.bearing_matrix, of=2),
+        bearing_stiffness=matrix_axes_first(on.bearing_stiffness, of=1),
+        loss=matrix_axes_first(np.repeat(on.loss, 3, axis=-1), of=1),
+        rubber_compliance=matrix_axes_first(on.rubber_compliance, of=1),
+        unbalance_excitation=None if balanced_at is None
+        else matrix_axes_first(unbalance_excitation(line, on, balanced_at=balanced_at).mT, of=2),
+        clearance=_parabola(free),
+        approach_matrix=matrix_axes_first(nearer, of=2),
+    )  # fmt: skip
+
+
+def held_share(slip: ArrayLike, compression: FloatArray) -> FloatArray:
+    """Return the share of a compression N that a slip force N holds, at most 1."""
+    size = np.abs(compression)
+    return np.minimum(1.0, np.asarray(slip) / np.where(size > 0, size, 1.0))
+
+
+def _of_one(on: MountedLine, layouts: Layout, line: Line, phases: FloatArray) -> list[Any]:
+    """Return what 1 N m does, orders 0 and 2 on coordinates and bearings, and their swing."""
+    turned = rotate_chain(layouts.directions, phases=phases, crosses=line.is_cross, samples=16)
+    one = joint_loads(layouts, turned, line, torque=1.0)
+    moments, still = ((c.order(0), c.order(2)) for c in (one.joint_moments, one.bearing_forces))
+    pushes = [on.forces_from_joint_moments(m) for m in moments]
+    # Less what the coordinates take at rest.
+    borne = [
+        _across(on, s - on.static_bearing_forces(p)) for s, p in zip(still, pushes, strict=True)
+    ]
+    return [*pushes, *borne, on.order2_coupling(turned)]
+
+
+def _across(on: MountedLine, force: Any) -> Any:
+    """Return forces (..., n-2, 3) N in the bearings' own directions, (..., B) N."""
+    local = (on.bearing_frame @ force[..., None])[..., 0]
+    return local.reshape(*local.shape[:-2], -1)
+
+
+def _parabola(values: Any, *, of: int = 1) -> _Bent:
+    """Return the coefficients of values (rides, ..., S, M) at the nodes of `AxleTravelByTorque`."""
+    low, *others = (np.ascontiguousarray(matrix_axes_first(v, of=of)) for v in values)
+    if not others:
+        return (low,)
+    middle, high, *beside = others
+    along = middle, (high - low) / 2, (high + low) / 2 - middle
+    if not beside:
+        return along
+    below, above, corner = beside
+    across = (above - below) / 2, (above + below) / 2 - middle
+    return *along, *across, corner - sum(along) - sum(across)
+
+
+def _at_ride(values: Sequence[Any], x: Any, y: Any) -> Any:
+    """Return what coefficients say at rides (x, y)."""
+    if len(values) == 1:
+        return values[0]
+    found = (values[2] * x + values[1]) * x + values[0]
+    if len(values) > 3:
+        found = found + (values[4] * y + values[3] + values[5] * x) * y
+    return found
+
+
+def _by_bearing(force: Any) -> Any:
+    """Return forces (B, ...) N as (n-2, ..., 3): up, sideways, along."""
+    return np.moveaxis(force.reshape(-1, 3, *force.shape[1:]), 1, -1)
+
+
+def _size(force: FloatArray) -> FloatArray:
+    """Return the sizes (n-2, ...) of forces (B, ...)."""
+    x, y, z = np.moveaxis(_by_bearing(force), -1, 0)
+    return np.sqrt(x * x + y * y + z * z)
+
+
+def _axis(force: ComplexArray) -> FloatArray:
+    """Return the longer half axes (n-2, ...) of forces (B, ...)."""
+    return semi_major_axis(_by_bearing(force))

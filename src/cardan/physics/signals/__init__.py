@@ -1,0 +1,1 @@
+"""Recorded signals: conditioning, order tracking, data quality, attribution of damage."""

@@ -1,0 +1,1 @@
+"""Detectors of sensor and recorder faults."""

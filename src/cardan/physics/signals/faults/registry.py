@@ -1,0 +1,38 @@
+"""The kinds of fault that there are: one line a module, in the order in which they are listed."""
+
+from cardan.physics.signals.faults import (
+    duplicate_blocks,
+    gain_change,
+    intermittent_contact,
+    mains_hum,
+    rectified,
+    stuck_bit,
+    waveform,
+    whole_channel,
+)
+
+FAULT_SOURCES = (
+    waveform.SOURCE,
+    rectified.SOURCE,
+    gain_change.SOURCE,
+    intermittent_contact.SOURCE,
+    duplicate_blocks.SOURCE,
+    whole_channel.DRIFT_SOURCE,
+    mains_hum.SOURCE,
+    whole_channel.CONTRADICTION_SOURCE,
+    stuck_bit.SOURCE,
+)
+"""What declares kinds; if two find the same kind in a channel, the later one counts."""
+
+FAULTS_BY_CODE = {kind.code: kind for source in FAULT_SOURCES for kind in source.kinds}
+FAULT_KINDS = tuple(FAULTS_BY_CODE)
+FAULTS_OF_ANY_CHANNEL = tuple(k for k, of in FAULTS_BY_CODE.items() if of.of_any_channel)
+"""What is no value in any channel; all else is of a gauge, that swings about a zero of its own."""
+IMPOSSIBLE_STRESS_FAULTS = tuple(k for k, of in FAULTS_BY_CODE.items() if of.impossible)
+"""What a gauge's stress cannot be, if all was said as it is: of it there is no damage without."""
+MASKABLE_FAULTS = tuple(k for k, of in FAULTS_BY_CODE.items() if of.maskable)
+"""What a hole can be made of: what a clip cut off, and where a drift began, nobody knows."""
+CORRECTABLE_FAULTS = tuple(k for k, of in FAULTS_BY_CODE.items() if of.correctable)
+"""What makes no hole: it is taken off, and the rest is what was measured."""
+MASKABLE_OR_CORRECTABLE_FAULTS = (*MASKABLE_FAULTS, *CORRECTABLE_FAULTS)
+"""What a rule can take out."""

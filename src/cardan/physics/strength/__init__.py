@@ -1,0 +1,1 @@
+"""Strength of shafts: critical speed, stresses, bearing life, composite tubes."""

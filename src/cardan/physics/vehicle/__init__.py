@@ -1,0 +1,1 @@
+"""What the vehicle demands of the line: torque, speed, axle motion, layout by state."""

@@ -1,1 +1,0 @@
-"""Quantities: each declared once, with how a line answers it."""

@@ -1,0 +1,1 @@
+"""Rendering primitives: document blocks, charts, HTML, PDF, workbook, terminal, languages."""

@@ -1,1 +1,0 @@
-"""Show an assessment: terminal tables and the JSON contract."""

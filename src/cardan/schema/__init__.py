@@ -1,0 +1,1 @@
+"""Declarative tables: how files are declared, read with line and column, and written safely."""

@@ -1,1 +1,0 @@
-"""What one line of shafts endures: whirl, strength, life."""

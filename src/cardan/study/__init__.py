@@ -1,1 +1,0 @@
-"""Ask questions of an application: assess it, correct it, verify the program itself."""

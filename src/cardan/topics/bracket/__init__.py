@@ -1,0 +1,1 @@
+"""The centre-bearing bracket: stresses, life, forced response, optimisation."""

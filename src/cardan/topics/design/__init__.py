@@ -1,0 +1,1 @@
+"""Design: corrections, sizing, sensitivities, tolerances, yoke phasing, part selection."""

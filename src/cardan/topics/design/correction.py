@@ -1,0 +1,135 @@
+"""A correction of a line: what it moves, and what the application comes to with it."""
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from cardan.approval.applied_adjustments import AppliedAdjustment
+from cardan.approval.approval import Approval
+from cardan.checks.quantities.registry import LINE_QUANTITIES
+from cardan.core.labels import Part
+from cardan.core.verdict import (
+    CHECK_GRADES,
+    MARGIN_TOLERANCE,
+    VERDICTS,
+    Check,
+    Limit,
+    UnevaluatedCheck,
+    Verdict,
+    worst_verdict,
+)
+from cardan.topics.design.robustness import (
+    PRODUCTION_YIELD_CLASS_COUNT,
+    ToleranceModel,
+    ToleranceYield,
+)
+
+LimitOfPart: TypeAlias = tuple[str, Limit, Part]
+"""Name of a line, limit, and part that it applies to."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Correction:
+    """A correction of one line, and what the application comes to with it.
+
+    `margin` is the least to a warning among the limits that moving can change, which the search
+    goes by, and `before` the same as installed. `approval` is that of the whole application so
+    corrected, `installed` as it stands; `survival` how many trucks keep what it promises as
+    they scatter, None where nothing does. `changeable` are the limits, by line and part, that
+    moving can change and correct.
+    """
+
+    line: str
+    adjustments: tuple[AppliedAdjustment, ...]
+    margin_before: float
+    margin: float
+    approval: Approval
+    installed_approval: Approval
+    changeable: frozenset[LimitOfPart]
+    tolerance_yield: ToleranceYield | None = None
+    tolerance_model: ToleranceModel | None = None
+
+    @property
+    def sort_key(self) -> tuple[int, int, float, float]:
+        """What proposals are sorted by: the verdict, how many trucks keep it, cost, margin."""
+        sure = (
+            self.tolerance_yield.yield_class
+            if self.tolerance_yield
+            else PRODUCTION_YIELD_CLASS_COUNT - 1
+        )
+        return VERDICTS.index(self.verdict), -sure, round(self.cost, 2), -self.margin
+
+    def worst_changeable_check(self, of: Approval) -> Check:
+        """Return the check of an approval that decides among what moving can change.
+
+        The smallest margin of the worst grade there, as the smallest margin of all is.
+        """
+        found = [c for c in of.checks if _limit_of_part(c) in self.changeable]
+        return min(found, key=lambda c: (-CHECK_GRADES.index(c.grade), c.margin))
+
+    def smallest_changeable_margin(self, of: Approval) -> float:
+        """Return the smallest margin of an approval among what moving can change."""
+        return self.worst_changeable_check(of).margin
+
+    @property
+    def unchangeable_checks(self) -> list[Check]:
+        """Checks of lines, as installed, that do not pass and that no move corrects."""
+        return [
+            c
+            for c in self.installed_approval.checks
+            if c.grade != "pass"
+            and c.quantity in LINE_QUANTITIES
+            and _limit_of_part(c) not in self.changeable
+        ]
+
+    @property
+    def is_acceptable(self) -> bool:
+        """Whether it comes to no worse a verdict than the application as it stands.
+
+        What does corrects nothing, whatever margin it wins elsewhere. Nor does what leaves less
+        margin at the same verdict, unless less fails or warns.
+        """
+        if self.verdict != self.installed_approval.verdict:
+            return (
+                worst_verdict([self.verdict, self.installed_approval.verdict])
+                == self.installed_approval.verdict
+            )
+        now, was = (a.smallest_margin or 0.0 for a in (self.approval, self.installed_approval))
+        return now >= was - MARGIN_TOLERANCE or _wrong(self.approval) < _wrong(
+            self.installed_approval
+        )
+
+    @property
+    def cost(self) -> float:
+        """Sum of the shares of their ranges that the moves use."""
+        return cost_of(self.adjustments)
+
+    @property
+    def verdict(self) -> Verdict:
+        """What a check of the corrected application comes to."""
+        return self.approval.verdict
+
+    @property
+    def checks(self) -> tuple[Check, ...]:
+        """All checks of the corrected application."""
+        return self.approval.checks
+
+    @property
+    def unevaluated(self) -> tuple[UnevaluatedCheck, ...]:
+        """What nothing moved can answer."""
+        return self.approval.coverage.unevaluated
+
+
+def _limit_of_part(c: Check) -> LimitOfPart:
+    return c.line, c.limit, c.part
+
+
+def _wrong(of: Approval) -> tuple[int, int]:
+    """Return how many checks fail, and how many warn."""
+    grades = [c.grade for c in of.checks]
+    return grades.count("fail"), grades.count("warn")
+
+
+def cost_of(moves: Collection[AppliedAdjustment]) -> float:
+    """Return the sum of the shares of their ranges that moves use."""
+    return sum(m.cost for m in moves)

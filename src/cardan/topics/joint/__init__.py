@@ -1,0 +1,1 @@
+"""One universal joint by itself."""

@@ -1,0 +1,1 @@
+"""Field recordings: damage, life, cause, parameter identification, usage."""

@@ -1,0 +1,118 @@
+"""The story that a report tells of a recording, or of a campaign of some."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from cardan.application.quantity_lookup import declared_quantity
+from cardan.approval.coverage import coverage_of
+from cardan.approval.study import StudyResult
+from cardan.core.verdict import Check
+from cardan.render.blocks import (
+    Block,
+    BulletList,
+    Chapter,
+    ReportDateAndSourceStamp,
+    ReportDocument,
+    Table,
+    Text,
+)
+from cardan.render.i18n import Translator
+from cardan.render.phrases import (
+    document_stamp_facts,
+    grouped_unevaluated_lines,
+    limit_sense_symbol,
+    value_and_bound,
+    worst_check_per_limit,
+)
+from cardan.topics.recording.campaign_assessment import CampaignAssessment
+from cardan.topics.recording.chapter import campaign_chapters as recorded
+from cardan.topics.recording.chapter import recording_blocks
+from cardan.topics.recording.life_verdict import assessment_verdict
+from cardan.topics.recording.recording_assessment import RecordingAssessment
+
+
+def recording_report(
+    of: StudyResult[RecordingAssessment], *, say: Translator, issue: ReportDateAndSourceStamp
+) -> ReportDocument:
+    """Return the story of a recording: the verdict, its gauges, who did the damage."""
+    say, heard = say.with_minus_sign, of.answer
+    assert heard is not None  # of a recording that could be asked
+    chapters = [
+        Chapter(title=say("Verdict"), blocks=tuple(_judged(of, say))),
+        Chapter(title=heard.recording.name, blocks=tuple(recording_blocks(heard, say))),
+    ]
+    return _recorded(of, heard.recording.name, heard.profile, chapters, say=say, issue=issue)
+
+
+def campaign_report(
+    of: StudyResult[CampaignAssessment], *, say: Translator, issue: ReportDateAndSourceStamp
+) -> ReportDocument:
+    """Return the story of a campaign: the verdict, the mix, then each recording."""
+    say, found = say.with_minus_sign, of.answer
+    assert found is not None  # of a campaign that could be asked
+    chapters = [
+        Chapter(title=say("Verdict"), blocks=tuple(_judged(of, say))),
+        *recorded(found, say),
+    ]
+    return _recorded(of, found.title, found.profile, chapters, say=say, issue=issue)
+
+
+def _recorded(
+    of: StudyResult[Any], title: str, profile: str, chapters: Sequence[Chapter], *, say: Translator,
+    issue: ReportDateAndSourceStamp,
+) -> ReportDocument:  # fmt: skip
+    """Return the story of recordings that chapters tell."""
+    verdict = assessment_verdict(of)
+    coverage = coverage_of(of)
+    counted = say("{answered} of {asked} checks evaluated", answered=coverage.evaluated,
+                  asked=coverage.total)  # fmt: skip
+    return ReportDocument(
+        language=say.code,
+        title=title,
+        subtitle=say("Recording: damage, life and cause"),
+        # Nothing asked is nothing approved.
+        grade=verdict or "incomplete",
+        verdict=say(verdict).upper() if verdict else say("No limit given"),
+        facts=(
+            *(((say("Limits"), profile),) if profile else ()),
+            *document_stamp_facts(issue, say),
+        ),
+        chapters=tuple(chapters),
+        summary=counted if coverage.total else "",
+        date=issue.date,
+    )
+
+
+def _judged(of: StudyResult[Any], say: Translator) -> Iterator[Block]:
+    """Yield each limit of a recording where it is worst, and what got no answer."""
+    rows = worst_check_per_limit(of.checks)
+    if rows:
+        yield Table(
+            caption=say("Worst check of each limit"),
+            head=(say("verdict"), say("limit"), say("where it is worst"), say("value"),
+                  say("bound"), say("unit"), say("margin")),
+            rows=tuple(_judgement(c, say) for c in rows),
+            words=3,
+            grades=tuple((c.grade, *[""] * 6) for c in rows),
+        )  # fmt: skip
+    missing = grouped_unevaluated_lines(of.unevaluated, say)
+    if missing:
+        yield BulletList(caption=say("Not evaluated"), points=tuple((m, ()) for m in missing))
+    if not rows and not missing:
+        yield Text(
+            paragraphs=(
+                say(
+                    "No limit given: --target-hours or --limits compare the gauges' lives with a "
+                    "limit."
+                ),
+            )
+        )
+
+
+def _judgement(c: Check, say: Translator) -> tuple[str, ...]:
+    """Return a check on a gauge as a row."""
+    q, (value, bound) = declared_quantity(c.quantity), value_and_bound(c, say)
+    return (
+        say(c.grade), say.name(q.key), say.join(say.part(c.part), say.occasion(c.when)),
+        value, f"{limit_sense_symbol(c, say)} {bound}", q.unit_symbol, say.margin_percent(c.margin),
+    )  # fmt: skip

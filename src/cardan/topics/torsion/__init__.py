@@ -1,0 +1,1 @@
+"""Vibration of the powertrain: torsional modes, stability, launch."""

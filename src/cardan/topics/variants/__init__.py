@@ -1,0 +1,1 @@
+"""Studies of many variants: sampling, evaluation, statistics, Pareto front, yield."""

@@ -1,0 +1,223 @@
+"""Executors that compute shards: threads, processes, a Dask cluster."""
+
+import logging
+import os
+import pickle
+import shutil
+from collections.abc import Callable, Generator
+from concurrent.futures import (
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+)
+from contextlib import contextmanager
+from importlib import import_module
+from multiprocessing import get_context, parent_process
+from pathlib import Path
+from tempfile import NamedTemporaryFile, TemporaryDirectory
+from threading import Thread
+from types import TracebackType
+from typing import Any
+
+from cardan.core.errors import DesignError, MissingDependencyError
+from cardan.core.interrupts import ignore_interrupts, interrupts_held_back
+
+SCHEDULER_TIMEOUT_S = 30
+"""s: a cluster whose scheduler has not answered by then is given up."""
+
+# --------------------------------------------------------------------------- who asks
+
+
+@contextmanager
+def open_executor(kind: str, count: int) -> Generator[Executor | None, None, None]:
+    """Give who asks shards: `threads`, `processes`, or a Dask cluster by its address.
+
+    Raises
+    ------
+    NotInstalled
+        If a cluster is named and Dask is not there.
+    DesignError
+        If an address is none of a scheduler that answers within `SCHEDULER_TIMEOUT_S`, or if
+        who asks them is gone for good.
+    """
+    gone = "; what was done is kept where --out names a folder: --resume goes on"
+    if kind == "threads":
+        yield None
+    elif kind == "processes":
+        with ProcessExecutor(count) as pool:
+            try:
+                yield pool
+            except BrokenExecutor as error:
+                msg = f"a process that computed a shard was killed{gone}"
+                raise DesignError(msg) from error
+    else:
+        try:
+            dask: Any = import_module("distributed")
+        except ModuleNotFoundError as error:
+            msg = "a Dask cluster needs its package: pip install 'cardan[cluster]'"
+            raise MissingDependencyError(msg) from error
+        # The library prints what it meets, with its tracebacks; errors here say what matters.
+        logging.disable()
+        with _connected_client(dask, kind) as client:
+            try:
+                yield DaskExecutor(client)
+            except (CancelledError, dask.KilledWorker) as error:
+                msg = f"the cluster at {kind} is gone, or loses every worker{gone}"
+                raise DesignError(msg) from error
+
+
+def _connected_client(dask: Any, address: str) -> Any:
+    """Return a client of the scheduler at an address.
+
+    Raises
+    ------
+    DesignError
+        If it is no address, or no scheduler answers there.
+    """
+    scheme, _, place = address.partition("://")
+    if not place or not place.rpartition(":")[2].isdecimal():
+        msg = (
+            f"--executor {address} is no address of a Dask scheduler: give its protocol, host and "
+            f"port, as tcp://host:8786"
+        )
+        raise DesignError(msg)
+    try:
+        return _call_within(
+            SCHEDULER_TIMEOUT_S, lambda: dask.Client(address, timeout=SCHEDULER_TIMEOUT_S)
+        )
+    except (OSError, TimeoutError) as error:
+        msg = (
+            f"no Dask scheduler answers at {address} within {SCHEDULER_TIMEOUT_S} s: start it, or "
+            f"correct --executor"
+        )
+        raise DesignError(msg) from error
+    except Exception as error:
+        if scheme == "tls":
+            msg = (
+                f"--executor {address} needs certificates: name them in Dask's configuration, "
+                f"distributed.comm.tls ({error})"
+            )
+            raise DesignError(msg) from error
+        msg = f"--executor {address} is no address of a Dask scheduler ({error})"
+        raise DesignError(msg) from error
+
+
+def _call_within(seconds: float, function: Callable[[], Any]) -> Any:
+    """Return what a function returns, or raise TimeoutError if that takes longer.
+
+    The library's own limit does not hold where another kind of server answers.
+    """
+    result: Future[Any] = Future()
+
+    def call() -> None:
+        try:
+            result.set_result(function())
+        except BaseException as error:  # noqa: BLE001  raised again where it is waited for
+            result.set_exception(error)
+
+    Thread(target=call, daemon=True).start()
+    return result.result(seconds)
+
+
+class DaskExecutor(Executor):
+    """A Dask cluster by its client: an executor that knows how many there are to work."""
+
+    def __init__(self, client: Any) -> None:
+        self._client, self._executor = client, client.get_executor()
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Hand a call to whoever is free."""
+        try:
+            return self._executor.submit(fn, *args, **kwargs)
+        except Exception as error:
+            if self.connection_lost:
+                raise CancelledError from error
+            raise
+
+    @property
+    def connection_lost(self) -> bool:
+        """Whether its client gave the scheduler up."""
+        return self._client.status in ("closing", "closed")
+
+    @property
+    def worker_threads(self) -> int:
+        """How many threads of workers there are now; 1 where the scheduler does not answer."""
+        try:
+            return sum(self._client.ncores().values())
+        except (OSError, TimeoutError, RuntimeError, AttributeError):
+            return 1  # its client is closed, or closing: the shards it loses tell that
+
+
+class ProcessExecutor(ProcessPoolExecutor):
+    """Spawned processes, each of which writes what it returns to a file and sends the file's path.
+
+    All send through one pipe. A path goes through it whole; a process killed half-way through a
+    shard would leave whoever reads the pipe waiting for the rest.
+    """
+
+    def __init__(self, count: int) -> None:
+        self._folder = TemporaryDirectory(prefix="cardan-", ignore_cleanup_errors=True)
+        super().__init__(
+            count,
+            mp_context=get_context("spawn"),  # a fork of a process with threads may never wake
+            initializer=_begin_worker,
+            initargs=(self._folder.name,),
+        )
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Hand a call to whichever process is free."""
+        with interrupts_held_back():  # the first call starts the processes
+            return super().submit(_call_to_file, self._folder.name, fn, args, kwargs)
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+    ) -> None:
+        """End the processes, when they have done what they were handed."""
+        super().__exit__(exc_type, exc_val, exc_tb)
+        self._folder.cleanup()
+
+
+class _FileResult:
+    """What a call returned, in a file; unpickled it is that again, and the file is gone."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+
+    def __reduce__(self) -> tuple[Callable[[str], Any], tuple[str]]:
+        return _load_and_delete, (self.path,)
+
+
+def _call_to_file(
+    folder: str, fn: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]
+) -> _FileResult:
+    """Call a function in a worker process and write what it returns to a file."""
+    returned = fn(*args, **kwargs)
+    with NamedTemporaryFile(dir=folder, delete=False) as file:
+        pickle.dump(returned, file, protocol=pickle.HIGHEST_PROTOCOL)
+    return _FileResult(file.name)
+
+
+def _load_and_delete(path: str) -> Any:
+    with Path(path).open("rb") as file:
+        found = pickle.load(file)  # our own, from a folder of our own
+    Path(path).unlink()
+    return found
+
+
+def _begin_worker(folder: str) -> None:
+    """Prepare a worker process: it ignores the keyboard, and ends with its parent."""
+    ignore_interrupts()
+    Thread(target=_end_with_parent, args=(folder,), daemon=True).start()
+
+
+def _end_with_parent(folder: str) -> None:
+    parent = parent_process()
+    assert parent is not None
+    parent.join()
+    shutil.rmtree(folder, ignore_errors=True)
+    os._exit(1)

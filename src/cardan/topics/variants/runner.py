@@ -1,0 +1,311 @@
+"""A study of many variants, shard by shard: in threads, processes or on a cluster.
+
+A shard is a stretch of variants. Whoever asks it draws the same, and what is told of it is
+joined in the order of the shards, so the answer is the same to the last bit however it was
+computed: at once, by many, or in pieces after the computer went down.
+"""
+
+from collections.abc import Callable, Generator, Mapping
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import contextmanager
+from importlib import import_module
+from os import cpu_count
+from pathlib import Path
+from threading import Event
+from time import perf_counter
+
+import numpy as np
+
+from cardan.core.arrays import single_threaded_blas
+from cardan.core.errors import DesignError
+from cardan.core.status import ignore_status
+from cardan.model.application import Application
+from cardan.model.variants import VariantStudy
+from cardan.topics.variants.evaluation import (
+    EvaluatedVariants,
+    LimitResults,
+    VariantEvaluator,
+)
+from cardan.topics.variants.executors import DaskExecutor
+from cardan.topics.variants.pareto import evolve_pareto_front
+from cardan.topics.variants.rare_failure import RareFailureEstimate, estimate_rare_failure
+from cardan.topics.variants.sampling import SamplingMethod
+from cardan.topics.variants.shard_job import (
+    ShardJob,
+    ShardResult,
+    compute_shard,
+    file_stamps,
+    serialise_shard_job,
+)
+from cardan.topics.variants.shard_store import ShardStore
+from cardan.topics.variants.statistics import (
+    StatisticState,
+    StreamingStatistic,
+    merge_states,
+    requested_statistics,
+)
+from cardan.topics.variants.study_result import (
+    ProgressCallback,
+    StudyInterrupted,
+    StudyProgress,
+    VariantStudyResult,
+    acceptable_and_independent,
+)
+from cardan.topics.variants.yield_surrogate import predict_yield
+
+VARIANTS_PER_SHARD = 512
+"""Variants of a shard, about: whole grids, or groups of pairs."""
+
+MIN_FAILED_VARIANTS_PER_LIMIT = 20
+"""Variants: of a limit that fewer fail the share is known badly."""
+
+WORKER_TIMEOUT_S = 10.0
+"""Seconds without a shard after which it is asked whether a cluster has workers at all."""
+
+QUEUE_DEPTH_PER_WORKER = 3
+"""Shards handed out for each worker: what waits costs memory."""
+
+
+def run_study(
+    application: Application,
+    variants: VariantStudy,
+    *,
+    count: int = 10_000,
+    seed: int = 0,
+    points: SamplingMethod | None = None,
+    folder: Path | None = None,
+    resume: bool = False,
+    executor: Executor | None = None,
+    workers: int | None = 1,
+    shard: int = VARIANTS_PER_SHARD,
+    hear: ProgressCallback = ignore_status,
+) -> VariantStudyResult:
+    """Ask the driveline of many variants, and tell what they come to.
+
+    Parameters
+    ----------
+    application, variants
+        As read from a file.
+    count
+        How many variants; whole grids, and whole groups of pairs.
+    seed
+        Of the points.
+    folder
+        Where each shard is kept as it is done; None keeps them in memory.
+    resume
+        Go on with what the folder holds; without, it must hold no study.
+    executor
+        Who asks shards, `workers` at a time: any of `concurrent.futures`, or a cluster's. By
+        default threads of this process; None as many as this machine, or a cluster, has.
+    shard
+        How many variants are asked at a time, about.
+    hear
+        Told how far it has come.
+
+    Raises
+    ------
+    ValueError
+        If nothing goes by a name, or does not vary as is asked.
+    BadFile
+        If the folder holds another study, or one already.
+    Stopped
+        If it was stopped from the keyboard; it holds what is told of the shards done.
+    """
+    job, asked = ShardJob.from_study(application, variants, seed=seed, points=points), variants.ask
+    bench, stamps = job.evaluator, file_stamps(job)
+    count, size = (
+        bench.whole_count(count),
+        -(-shard // bench.sampling_plan.group_size) * bench.sampling_plan.group_size,
+    )
+    spans = [(k, min(k + size, count)) for k in range(0, count, size)]
+    store = ShardStore.open(folder, job, size, count=count, resume=resume) if folder else None
+    found: dict[int, ShardResult] = {}
+    done = {k for k, span in enumerate(spans) if store and store.contains(k, span)}
+    damaged = sum(store.is_damaged(k) for k in range(len(spans)) if k not in done) if store else 0
+    before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
+    finished = before
+
+    def now(done: int, rare: tuple[int, int] | None = None, *, idle: bool = False) -> None:
+        seconds, total = perf_counter() - begun, count + asked.search
+        hear(StudyProgress(
+            done_before=before, done=done, count=total, seconds=seconds, rare=rare, idle=idle,
+            damaged=damaged,
+        ))  # fmt: skip
+
+    def keep(k: int, got: ShardResult) -> None:
+        nonlocal finished, stamps
+        if stamps != (stamps := file_stamps(job)) and (other := job.changed_inputs):
+            msg = f"{other} changed while the study ran: begin it anew"
+            raise DesignError(msg)
+        if store:
+            store.save(k, spans[k], got, job)
+        else:
+            found[k] = got
+        done.add(k)
+        finished += spans[k][1] - spans[k][0]
+        now(finished)
+
+    now(before)
+    todo = [k for k in range(len(spans)) if k not in done]
+    stopped = False
+    try:
+        _run_shards(
+            job, {k: spans[k] for k in todo}, keep, executor=executor, workers=workers,
+            idle=lambda: now(finished, idle=True),
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        stopped = True
+        if not done:
+            raise
+    told = _merged_statistics(bench, variants, store, found, sorted(done))
+    if asked.search and not stopped:
+        try:
+            told["pareto"] = evolve_pareto_front(
+                bench, asked.pareto, told["pareto"], count=asked.search, start=count, seed=seed,
+                hear=lambda more: now(count + min(more, asked.search)),
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            stopped = True
+    hardly: list[RareFailureEstimate] = []
+    if asked.rare and not stopped:
+        few = _rarely_failing_limits(bench, told["counts"])
+        try:
+            for at, k in enumerate(few):
+                now(count + asked.search, (at, len(few)))
+                hardly.append(estimate_rare_failure(bench, k))
+        except KeyboardInterrupt:
+            stopped = True
+    result = VariantStudyResult(
+        evaluator=bench,
+        variants=variants,
+        requested_count=count,
+        statistics=told,
+        rows=_rows_in_memory(bench, found, dict(enumerate(spans))),
+        rare_failures=tuple(r for r in hardly if not r.is_negligible),
+        negligible_failures=tuple(r for r in hardly if r.is_negligible),
+        surrogate_yield=None
+        if stopped or not asked.foretold
+        else predict_yield(
+            bench.sampling_plan,
+            told["taught"],
+            count=asked.foretold,
+            start=count,
+            confidence=asked.confidence,
+            asked=acceptable_and_independent(told["counts"]),
+            workers=workers or cpu_count() or 1,
+        ),
+        seconds=perf_counter() - begun,
+    )
+    if stopped:
+        raise StudyInterrupted(result)
+    return result
+
+
+def _run_shards(
+    job: ShardJob,
+    spans: Mapping[int, tuple[int, int]],
+    keep: Callable[[int, ShardResult], None],
+    *,
+    executor: Executor | None,
+    workers: int | None,
+    idle: Callable[[], None],
+) -> None:
+    """Have shards asked, and keep each as it comes; say so while nobody is there to ask."""
+    stop = Event()
+
+    def there() -> int:
+        return executor.worker_threads if isinstance(executor, DaskExecutor) else cpu_count() or 1
+
+    with _open_workers(executor, workers or there()) as (of, own):
+        parcel = b"" if own else serialise_shard_job(job)
+        pending: dict[Future[ShardResult], int] = {}
+        waiting = iter(spans.items())
+        try:
+            while True:
+                most = max(there() if workers is None else workers, 1) * QUEUE_DEPTH_PER_WORKER
+                while len(pending) < most and (one := next(waiting, None)):
+                    k, span = one
+                    pending[
+                        of.submit(job.run_shard, *span, stop)
+                        if own
+                        else of.submit(compute_shard, parcel, *span)
+                    ] = k
+                if not pending:
+                    return
+                done = wait(pending, timeout=WORKER_TIMEOUT_S, return_when=FIRST_COMPLETED).done
+                if not done and not there():
+                    idle()
+                for future in done:
+                    keep(pending.pop(future), future.result())
+        finally:
+            stop.set()
+            if not (isinstance(executor, DaskExecutor) and executor.connection_lost):
+                for future in pending:
+                    future.cancel()
+
+
+@contextmanager
+def _open_workers(
+    executor: Executor | None, workers: int
+) -> Generator[tuple[Executor, bool], None, None]:
+    """Give who asks shards, and whether it shares this process's memory."""
+    if executor is not None:
+        yield executor, False
+        return
+    import_module("scipy.linalg")
+    with (
+        single_threaded_blas(),
+        ThreadPoolExecutor(max(workers, 1), thread_name_prefix="study") as own,
+    ):
+        yield own, True
+
+
+def _merged_statistics(
+    bench: VariantEvaluator,
+    variants: VariantStudy,
+    store: "ShardStore | None",
+    found: Mapping[int, ShardResult],
+    done: list[int],
+) -> dict[str, StatisticState]:
+    """Return what shards come to together, in their order."""
+    every: dict[str, StreamingStatistic] = requested_statistics(bench, variants.ask)
+    total: dict[str, StatisticState] = {}
+    for k in done:
+        states = store.load(k) if store else found[k].statistics
+        total = {
+            n: merge_states(r, [total[n], states[n]]) if total else states[n]
+            for n, r in every.items()
+        }
+    return total
+
+
+def _rarely_failing_limits(bench: VariantEvaluator, counts: StatisticState) -> list[int]:
+    """Return the places of the limits that hardly ever failed."""
+    fails, answered = counts["grades"][:, 2], counts["grades"][:, :3].sum(-1)
+    return [
+        k
+        for k, (_, limit) in enumerate(bench.limits)
+        if limit.maximum is not None and answered[k] and fails[k] < MIN_FAILED_VARIANTS_PER_LIMIT
+    ]
+
+
+def _rows_in_memory(
+    bench: VariantEvaluator, found: Mapping[int, ShardResult], spans: Mapping[int, tuple[int, int]]
+) -> EvaluatedVariants | None:
+    """Return each variant, where they were kept in memory."""
+    kept = {k: found[k].rows for k in sorted(found)}
+    parts = [(spans[k], rows) for k, rows in kept.items() if rows is not None]
+    if not parts:
+        return None
+    return bench.collect(
+        np.concatenate([inputs for _, (inputs, _) in parts]),
+        LimitResults.concatenate([answers for _, (_, answers) in parts]),
+        np.concatenate([bench.sampling_plan.unit_points(*span) for span, _ in parts]),
+        np.concatenate([bench.sampling_plan.independent(*span) for span, _ in parts]),
+    )

@@ -1,0 +1,198 @@
+"""A stretch of variants, computed anywhere with the same result to the last bit.
+
+A job travels to the worker that computes a shard; fingerprints of what it reads tell it from
+another.
+"""
+
+import json
+import pickle
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cache, lru_cache
+from hashlib import sha256
+from importlib import import_module
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+import numpy as np
+
+from cardan import __version__
+from cardan.core.arrays import FloatArray, retain_freed_memory, single_threaded_blas
+from cardan.core.errors import DesignError
+from cardan.model.application import Application
+from cardan.model.variants import VariantStudy
+from cardan.topics.variants.evaluation import (
+    LimitResults,
+    VariantEvaluator,
+)
+from cardan.topics.variants.sampling import SamplingMethod
+from cardan.topics.variants.statistics import (
+    StatisticState,
+    requested_statistics,
+)
+
+# --------------------------------------------------------------------------- running
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShardJob:
+    """What a worker has to know to ask any shard; `prints` tell it from another."""
+
+    application: Application
+    variants: VariantStudy
+    seed: int
+    points: SamplingMethod | None
+    fingerprints: Mapping[str, str]
+
+    @classmethod
+    def from_study(
+        cls, application: Application, variants: VariantStudy, *, seed: int = 0,
+        points: SamplingMethod | None = None,
+    ) -> "ShardJob":  # fmt: skip
+        """Return the job of a study; the files that the application names by their whole paths.
+
+        Raises
+        ------
+        DesignError
+            If the application was not read from a file.
+        """
+        written = application.written
+        if written is None:
+            msg = f"application {application.title} was not read from a file: it has no variants"
+            raise DesignError(msg)
+        written = replace(
+            written,
+            folder=written.folder and written.folder.absolute(),
+            referenced_files=tuple(p.absolute() for p in written.referenced_files),
+        )
+        return cls(
+            application=replace(application, written=written), variants=variants, seed=seed,
+            points=points, fingerprints=fingerprints(application, variants),
+        )  # fmt: skip
+
+    @property
+    def evaluator(self) -> VariantEvaluator:
+        """The bench; a worker makes it once."""
+        return _evaluator_of(_CachedJob(self))
+
+    @property
+    def row_precision(self) -> str | None:
+        """In which precision variants are kept, if at all."""
+        return self.variants.ask.rows
+
+    @property
+    def changed_inputs(self) -> str:
+        """What is not here, or not now, as it was where the study began."""
+        return differing_inputs(self.fingerprints, fingerprints(self.application, self.variants))
+
+    def run_shard(self, start: int, stop: int, stopped: Event | None = None) -> "ShardResult":
+        """Return what is told of a stretch of variants, and the rows where they are kept."""
+        go_on = (lambda: not stopped.is_set()) if stopped else (lambda: True)
+        rows = self.evaluator.evaluate_range(start, stop, go_on=go_on)
+        found = requested_statistics(self.evaluator, self.variants.ask)
+        return ShardResult(
+            statistics={name: r.state_of(rows, start) for name, r in found.items()},
+            rows=(rows.inputs, rows.results) if self.row_precision else None,
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShardResult:
+    """What is told of a stretch of variants; their inputs and answers where they are kept."""
+
+    statistics: Mapping[str, StatisticState]
+    rows: tuple[FloatArray, LimitResults] | None = None
+
+
+class _CachedJob:
+    """A job by its identity: two jobs with one text are told apart, one is the same for ever."""
+
+    def __init__(self, job: ShardJob) -> None:
+        self.job = job
+        written = job.application.written
+        # Files beside it are read again with each change: the same text elsewhere is another job.
+        self.known = (
+            tuple(job.fingerprints.items()), job.seed, job.points, written and written.folder,
+        )  # fmt: skip
+
+    def __hash__(self) -> int:
+        return hash(self.known)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _CachedJob) and self.known == other.known
+
+
+@cache
+def _evaluator_of(of: _CachedJob) -> VariantEvaluator:
+    job = of.job
+    if other := job.changed_inputs:
+        msg = f"a worker has other {other} than where the study began"
+        raise DesignError(msg)
+    return VariantEvaluator.from_application(
+        job.application, job.variants, seed=job.seed, points=job.points
+    )
+
+
+def serialise_shard_job(job: ShardJob) -> bytes:
+    """Return a job as it is handed out with each shard: written once, and read once by a worker."""
+    return pickle.dumps(job, protocol=pickle.HIGHEST_PROTOCOL)
+
+
+@lru_cache(4)
+def deserialise_shard_job(job: bytes) -> ShardJob:
+    """Return the job that was handed out."""
+    return pickle.loads(job)
+
+
+def compute_shard(job: bytes, start: int, stop: int) -> ShardResult:
+    """Return a shard, wherever this is called."""
+    import_module(
+        "scipy.linalg"
+    )  # before it is looked for: a thread beside would load it meanwhile
+    with single_threaded_blas(), retain_freed_memory():
+        return deserialise_shard_job(job).run_shard(start, stop)
+
+
+def fingerprints(application: Application, variants: VariantStudy) -> dict[str, str]:
+    """Return what tells a study from another: the same prints, the same answers."""
+    written = application.written
+    assert written is not None  # `Job.of` has looked
+    changes = {at: np.asarray(to).tolist() for at, to in written.changes.items()}
+    # A set has another order in another process.
+    limits = json.dumps([asdict(limit) for limit in application.limits], default=sorted)
+    said = {
+        "application": repr((written.text, changes)), "limits": limits, "study": repr(variants),
+        "files": repr([sha256(_contents(p)).hexdigest() for p in written.referenced_files]),
+    }  # fmt: skip
+    prints = {name: sha256(text.encode()).hexdigest() for name, text in said.items()}
+    return {"cardan": __version__, "numpy": np.__version__, **prints}
+
+
+def _contents(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        msg = f"{path}, which the application names, cannot be read where the study is computed: "
+        raise DesignError(msg + (error.strerror or "lost")) from None
+
+
+def file_stamps(job: ShardJob) -> list[tuple[int, int] | None]:
+    """Return when each file beside it was written, and its size; None of a lost one."""
+    written = job.application.written
+    paths = written.referenced_files if written else ()
+    found = (p.stat() if p.exists() else None for p in paths)
+    return [s and (s.st_mtime_ns, s.st_size) for s in found]
+
+
+STUDY_FINGERPRINT_PART_LABELS = {
+    "cardan": "version of cardan", "numpy": "version of NumPy", "application": "application",
+    "files": "files that it names", "limits": "limits", "study": "vary, tolerances or ask",
+}  # fmt: skip
+"""What a print is of."""
+
+
+def differing_inputs(was: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+    """Return the names of what differs, with commas between; "" if nothing does."""
+    differing = (name for name in now if was.get(name) != now[name])
+    return ", ".join(STUDY_FINGERPRINT_PART_LABELS.get(name, name) for name in differing)

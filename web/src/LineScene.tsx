@@ -1,0 +1,77 @@
+// The line in three dimensions.
+
+import { useEffect } from "preact/hooks";
+import * as THREE from "three";
+import type { ShownLine } from "./Drawing";
+import { toSceneAxes, surfaceMaterial, useScene3d, type Scene3d } from "./scene3d";
+import type { AppState } from "./store";
+import { t } from "./i18n";
+import type { Point } from "./types";
+
+const VIEWS: Record<string, Point> = { three: [-0.55, -1, 0.42], side: [0, -1, 0.001], top: [0, 0.001, 1], rear: [1, 0, 0.05] };
+
+export default function LineScene({ known, shown }: { known: AppState; shown: ShownLine }) {
+  const points = [...shown.laid.joints, ...shown.laid.ends];
+  const { box, stage, missing } = useScene3d(t("The line in three dimensions"), (s) => { build(s, shown); s.look(points, VIEWS.three as Point); }, [shown.line.name]);
+
+  useEffect(() => { if (stage.current) build(stage.current, shown); }, [known.live, known.full, shown.laid, shown.state, known.theme]);
+
+  return (
+    <figure class="view scene3">
+      <div class="chips" role="group" aria-label={t("Look from")}>
+        {([["three", t("aside")], ["side", t("the left")], ["top", t("above")], ["rear", t("the rear")]] as const).map(([key, name]) => (
+          <button key={key} onClick={() => stage.current?.look(points, VIEWS[key] as Point)}>{name}</button>
+        ))}
+      </div>
+      {missing ? <p class="note">{t("This browser draws nothing in three dimensions.")}</p> : <div class="canvas" ref={box} />}
+    </figure>
+  );
+}
+
+function build(s: Scene3d, shown: ShownLine): void {
+  s.clear();
+  const { line, laid, state } = shown;
+  const graded = (kind: string, n: number, plain: string): string => {
+    const found = shown.marks[`${kind} ${n}`];
+    return found === "fail" ? "--fail" : found === "warn" ? "--warn" : plain;
+  };
+  const rod = (a: Point, b: Point, radius: number, material: THREE.Material): void => {
+    const [from, to] = [toSceneAxes(a), toSceneAxes(b)];
+    const way = to.clone().sub(from);
+    const mesh = new THREE.Mesh(new THREE.CylinderGeometry(radius, radius, way.length(), 28), material);
+    mesh.position.copy(from).addScaledVector(way, 0.5);
+    mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), way.normalize());
+    s.group.add(mesh);
+  };
+  const ball = (at: Point, radius: number, material: THREE.Material): void => {
+    const mesh = new THREE.Mesh(new THREE.SphereGeometry(radius, 28, 18), material);
+    mesh.position.copy(toSceneAxes(at));
+    s.group.add(mesh);
+  };
+  const all = [laid.ends[0], ...laid.joints, laid.ends[1]];
+  all.slice(0, -1).forEach((a, k) => {
+    const tube = k > 0 && k < all.length - 2;
+    rod(a, all[k + 1] as Point, (tube ? (line.tubes[k - 1] ?? 60) : 70) / 2, surfaceMaterial(tube ? graded("shaft", k, "--tube") : "--faint"));
+  });
+  laid.joints.forEach((p, k) => ball(p, 0.72 * Math.max(80, ...line.tubes.map((d) => d ?? 0)), surfaceMaterial(graded("joint", k + 1, "--ink"))));
+  laid.bearings.forEach((p, k) => {
+    const along = toSceneAxes(laid.joints[k + 1] as Point).sub(toSceneAxes(laid.joints[k] as Point)).normalize();
+    const ring = new THREE.Mesh(new THREE.TorusGeometry(0.75 * (line.tubes[k] ?? 100), 22, 14, 40), surfaceMaterial(graded("centre bearing", k + 1, "--accent")));
+    ring.position.copy(toSceneAxes(p));
+    ring.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), along);
+    s.group.add(ring);
+  });
+  for (const number of line.obstacles) {
+    const o = shown.live.obstacles[number];
+    if (!o) continue;
+    const up = o.share * (line.travel[state] ?? 0);
+    const [a, b] = [o.start, o.end].map((p) => [p[0], p[1], p[2] + up] as Point) as [Point, Point];
+    const material = surfaceMaterial("--obstacle", 0.75);
+    ball(a, o.radius, material);
+    if (Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]) > 1) {
+      rod(a, b, o.radius, material);
+      ball(b, o.radius, material);
+    }
+  }
+  s.draw();
+}
