@@ -46,13 +46,13 @@ def workbench(tmp_path, text=TRUCK, name="truck.yaml", *, folder=False):
     """Serve a file, or an empty folder; yield the house and what it serves."""
     if folder:
         (tmp_path / "desk").mkdir(exist_ok=True)
-        with running(tmp_path / "desk", tmp_path / "drafts", built=server.front()) as house:
+        with running(tmp_path / "desk", tmp_path / "drafts", built=server.static_files()) as house:
             yield house, tmp_path / "desk"
         return
     path = tmp_path / name
     if not path.exists():
         path.write_text(text, "utf-8")
-    with running(path, tmp_path / "drafts", built=server.front()) as house:
+    with running(path, tmp_path / "drafts", built=server.static_files()) as house:
         yield house, path
 
 

@@ -9,15 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from cardan import files
-from cardan.report import story
-from cardan.report.compare import Variant
-from cardan.report.html import page
-from cardan.report.language import Language
-from cardan.study.approval import approve, assess
-from cardan.study.driveline import DrivelineStudy
-from cardan.study.sensitivity import sensitivities
-from cardan.study.studies import VibrationStudy
+from cardan.application import reader
+from cardan.approval.approval import approve_application, approve_driveline
+from cardan.approval.driveline_study import DrivelineStudy
+from cardan.documents import approval_report as story
+from cardan.documents.comparison import Variant
+from cardan.render.html import html_page
+from cardan.render.i18n import LANGUAGE_CODES, Translator
+from cardan.topics.design.sensitivity import check_sensitivities
+from cardan.topics.torsion.registration import VibrationStudy
 
 pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("ignore::ResourceWarning")]
 
@@ -42,28 +42,36 @@ def browser():
 
 
 def pages():
+    """Every example in English; the ones with most chapters in the other languages too."""
     for path in EXAMPLES:
-        for code in ("en", "pt", "it"):
+        several = path.stem in ("refuse-collector-6x2", "tandem-6x4")
+        for code in LANGUAGE_CODES if several else ("en",):
             yield pytest.param(path, code, id=f"{path.stem}-{code}")
 
 
 @pytest.mark.parametrize(("path", "code"), list(pages()))
-def test_nothing_serious_and_nothing_fetched(browser, tmp_path, path, code):
-    found = approve(files.read(path), (DrivelineStudy(), VibrationStudy()))
-    issue = story.Issue(files=(path.name,), prints=("0",), texts=(path.read_text("utf-8"),))
-    told = story.approval(
-        found, helps=sensitivities(found), fixes=(), say=Language(code), issue=issue
+def test_report_page_has_no_accessibility_faults_or_network_requests(browser, tmp_path, path, code):
+    found = approve_application(reader.read(path), (DrivelineStudy(), VibrationStudy()))
+    issue = story.ReportDateAndSourceStamp(
+        file_names=(path.name,), fingerprints=("0",), file_texts=(path.read_text("utf-8"),)
+    )
+    told = story.approval_report_from_results(
+        found, helps=check_sensitivities(found), fixes=(), say=Translator(code), issue=issue
     )  # fmt: skip
     out = tmp_path / "report.html"
-    out.write_text(page(told), encoding="utf-8")
+    out.write_text(html_page(told), encoding="utf-8")
     held(browser, out)
 
 
-def test_a_comparison_is_as_good(browser, tmp_path):
-    variants = [Variant(name=p.stem, approval=assess(files.read(p))) for p in EXAMPLES[:2]]
-    told = story.comparison(variants, say=Language("en"), issue=story.Issue())
+def test_comparison_page_has_no_accessibility_faults_or_requests(browser, tmp_path):
+    variants = [
+        Variant(name=p.stem, approval=approve_driveline(reader.read(p))) for p in EXAMPLES[:2]
+    ]
+    told = story.comparison_report(
+        variants, say=Translator("en"), issue=story.ReportDateAndSourceStamp()
+    )
     out = tmp_path / "comparison.html"
-    out.write_text(page(told), encoding="utf-8")
+    out.write_text(html_page(told), encoding="utf-8")
     held(browser, out)
 
 

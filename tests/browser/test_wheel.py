@@ -30,7 +30,7 @@ def run(*arguments, cwd):
     return done.stdout
 
 
-def test_an_installed_wheel_serves_its_page(tmp_path):
+def test_installed_wheel_serves_workbench_page(tmp_path):
     run(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "-w", tmp_path, ROOT,
         cwd=tmp_path)  # fmt: skip
     (wheel,) = tmp_path.glob("cardan-*.whl")
@@ -43,6 +43,8 @@ def test_an_installed_wheel_serves_its_page(tmp_path):
         f"cardan[web] @ {wheel.as_uri()}", cwd=tmp_path)  # fmt: skip
     where = run(python, "-P", "-c", "import cardan; print(cardan.__file__)", cwd=tmp_path).strip()
     assert Path(where).is_relative_to(tmp_path)
+    run(python, "-P", "-m", "cardan", "new", "case", "--example", "refuse-collector", cwd=tmp_path)
+    assert (tmp_path / "case/joints.parquet").stat().st_size > 500_000
     desk = tmp_path / "desk"
     desk.mkdir()
     (desk / "truck.yaml").write_text(TRUCK, "utf-8")

@@ -1,149 +1,116 @@
-"""Run the mutants: `python tests/mutants [WORDS...]`, from the repository's root.
+"""Mutation testing of modules of the package, by cosmic-ray, in a copy of the source.
 
-Each mutant is made in a copy of `src` of its own, never where anybody works, and the tests
-that ought to notice it are run on that copy, two at a time. Nothing is written but the table.
-With words only the mutants are run whose file or words hold one of them.
+    python tests/mutants physics/loads/statics.py physics/strength --sample 40
 
-Exit code 0 where every mutant is noticed, 1 where one survives or its text is no longer
-found; the list is to be maintained like any other.
+Each sampled mutant is made in a copy of `src` and judged by the tests that mirror its module
+(`tests/unit/physics/loads/test_statics.py`, or the folder), and by those of `--tests`. The seed
+makes the sample repeatable. Exit code 1 if a mutant survives or the tests fail without one.
 """
 
+import argparse
 import os
+import random
+import shlex
 import shutil
 import subprocess
 import sys
-import time
+import tempfile
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from queue import SimpleQueue
-from tempfile import TemporaryDirectory
 
-from mutants import MUTANTS, ROOT, Mutant
+from cosmic_ray.commands import init
+from cosmic_ray.mutating import mutate_and_test
+from cosmic_ray.work_db import WorkDB, use_db
+from cosmic_ray.work_item import MutationSpec, TestOutcome
 
-AT_ONCE = 2
-PATIENCE = 300.0
-"""s: a mutant that makes its tests run longer is noticed by whoever waits for them."""
-
-KILLED, BROKEN, SLOW, SURVIVED, LOST = "killed", "killed at import", "hangs", "SURVIVED", "LOST"
-FAILED, NOT_RUN = 1, 2  # how pytest ends
-
-
-def say(text: str) -> None:
-    sys.stdout.write(f"{text}\n")
-    sys.stdout.flush()
+ROOT = Path(__file__).parents[2]
+PACKAGE = Path("src") / "cardan"
+TIMEOUT_S = 300.0
+"""A mutant that makes its tests run longer counts as killed."""
+EQUIVALENT = (
+    "core/RemoveDecorator", "core/ReplaceBinaryOperator_BitOr", "core/NumberReplacer_Docstring",
+)  # fmt: skip
+"""Operators skipped: unions of types are written with |, and decorators declare."""
 
 
-class Copy:
-    """A copy of the package that tests can be run on."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder, self.package = folder, folder / "src" / "cardan"
-        shutil.copytree(ROOT / "src", folder / "src", ignore=shutil.ignore_patterns("__pycache__"))
-
-    def tested(
-        self, tests: tuple[str, ...], *options: str, patience: float | None = PATIENCE
-    ) -> subprocess.CompletedProcess[str]:
-        """Run tests on this copy."""
-        known = dict(os.environ)
-        known |= {
-            "PYTHONPATH": str(self.folder / "src"),
-            "OPENBLAS_NUM_THREADS": "1",
-            "HYPOTHESIS_STORAGE_DIRECTORY": str(self.folder / "hypothesis"),
-        }
-        # A bracket's tests too, where its extra is installed, and slow ones: nobody else sees some.
-        also = ("-m", "not oracle and not office and not browser")
-        quietly = ("-q", "--tb=no", "-p", "no:cacheprovider", "--hypothesis-seed=0", *also)
-        return subprocess.run(
-            [sys.executable, "-B", "-m", "pytest", *quietly, *options, *tests],
-            cwd=ROOT, env=known, timeout=patience, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-
-    def outcome(self, mutant: Mutant, red: tuple[str, ...]) -> tuple[str, str]:
-        """Make a mutant, ask its tests, and undo it: what became of it, and who noticed."""
-        file = self.package / mutant.file
-        sound = file.read_text(encoding="utf-8")
-        if sound.count(mutant.text) != 1:
-            return LOST, ""
-        file.write_text(sound.replace(mutant.text, mutant.becomes), encoding="utf-8")
-        try:
-            found = self.tested(mutant.noticed_by, "-x", "-rfE", *(f"--deselect={r}" for r in red))
-        except subprocess.TimeoutExpired:
-            return SLOW, ""
-        finally:
-            file.write_text(sound, encoding="utf-8")
-        noticed = next(failures(found.stdout), "")
-        return {FAILED: KILLED, NOT_RUN: BROKEN}.get(found.returncode, SURVIVED), noticed
+def tests_of(module: Path) -> list[str]:
+    """Return the unit tests that mirror a module: its file, else the nearest folder."""
+    folder = ROOT / "tests" / "unit" / module.parent
+    own = folder / f"test_{module.stem}.py"
+    if own.exists():
+        return [str(own)]
+    while not folder.exists():
+        folder = folder.parent
+    return [str(folder)]
 
 
-def failures(printed: str) -> Iterator[str]:
-    """Yield the names of the tests that pytest says failed."""
-    for line in printed.splitlines():
-        if line.startswith(("FAILED ", "ERROR ")):
-            yield line.split(" ", 1)[1].partition(" - ")[0]
+def mutations_of(module: Path, database: Path) -> Iterator[MutationSpec]:
+    """Yield every mutation that cosmic-ray knows for a module."""
+    with use_db(str(database), WorkDB.Mode.create) as db:
+        init([PACKAGE / module], db, {})
+        for item in db.work_items:
+            yield from (m for m in item.mutations if not m.operator_name.startswith(EQUIVALENT))
 
 
-def red_anyway(copies: "SimpleQueue[Copy]", mutants: tuple[Mutant, ...]) -> tuple[str, ...]:
-    """Return the tests that fail without a mutant: they notice nothing."""
-    tests = tuple(dict.fromkeys(t for m in mutants for t in m.noticed_by))
-    copy = copies.get()
-    try:
-        found = copy.tested(tests, "-n", str(AT_ONCE), "-rfE", patience=None)
-    finally:
-        copies.put(copy)
-    return tuple(dict.fromkeys(failures(found.stdout)))
+def judge(module: Path, extra: list[str], sample: int, seed: int) -> tuple[int, int]:
+    """Test a sample of a module's mutants; return how many there were and how many survived."""
+    tests = " ".join(map(shlex.quote, [*tests_of(module), *extra]))
+    marks = "not oracle and not office and not browser and not long"
+    command = (
+        f"{shlex.quote(sys.executable)} -m pytest -q -x --tb=no -p no:cacheprovider "
+        f"--hypothesis-seed=0 -m {shlex.quote(marks)} --rootdir {shlex.quote(str(ROOT))} "
+        f"-c {shlex.quote(str(ROOT / 'pyproject.toml'))} {tests}"
+    )
+    if subprocess.run(shlex.split(command), capture_output=True, check=False).returncode:
+        sys.stdout.write(f"{module}: its tests fail without a mutant\n")
+        return 0, 1
+    with tempfile.TemporaryDirectory() as folder:
+        every = list(mutations_of(module, Path(folder) / "session.sqlite"))
+    chosen = random.Random(seed).sample(every, min(sample, len(every)))
+    survived = 0
+    for mutation in chosen:
+        result = mutate_and_test([mutation], command, TIMEOUT_S)
+        if result.test_outcome is TestOutcome.SURVIVED:
+            survived += 1
+            sys.stdout.write(f"survived: {mutation.operator_name}\n{result.diff}\n")
+            sys.stdout.flush()
+    sys.stdout.write(f"{module}: {len(chosen)} of {len(every)} mutants, {survived} survived\n")
+    return len(chosen), survived
 
 
-def chosen(words: list[str]) -> Iterator[Mutant]:
-    for mutant in MUTANTS:
-        said = f"{mutant.file} {mutant.says}"
-        if not words or any(word in said for word in words):
-            yield mutant
-
-
-def table(mutants: tuple[Mutant, ...], found: list[str]) -> Iterator[str]:
-    """Yield the number of mutants by room, and how many survived."""
-    yield f"{'room':<14}{'mutants':>8}{'killed':>8}{'survived':>10}"
-    rows = {m.room: 0 for m in mutants}
-    for room in [*rows, "all"]:
-        mine = [f for m, f in zip(mutants, found, strict=True) if room in (m.room, "all")]
-        bad = sum(f in (SURVIVED, LOST) for f in mine)
-        yield f"{room:<14}{len(mine):>8}{len(mine) - bad:>8}{bad:>10}"
-
-
-def main(words: list[str]) -> int:
-    if any(word.startswith("-") for word in words):
-        say(__doc__ or "")
-        return 0
-    begun, mutants = time.monotonic(), tuple(chosen(words))
-    with TemporaryDirectory(prefix="cardan-mutants-") as folder:
-        copies: SimpleQueue[Copy] = SimpleQueue()
-        for k in range(AT_ONCE):
-            copies.put(Copy(Path(folder) / str(k)))
-        red = red_anyway(copies, mutants)
-        for test in red:
-            say(f"red without a mutant, so it notices nothing: {test}")
-
-        def one(mutant: Mutant) -> str:
-            copy, start = copies.get(), time.monotonic()
-            try:
-                found, by = copy.outcome(mutant, red)
-            finally:
-                copies.put(copy)
-            took = f"{time.monotonic() - start:.0f} s"
-            say(
-                f"{found:<15} {took:>5}  {mutant.file}: {mutant.says}" + (f"  [{by}]" if by else "")
+def main() -> int:
+    """Run the command line."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("modules", nargs="+", help="files or folders below src/cardan")
+    parser.add_argument("--sample", type=int, default=20, help="mutants a module (default 20)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--tests", nargs="*", default=[], help="further tests to run")
+    given = parser.parse_args()
+    extra = [
+        str((ROOT / t.partition("::")[0]).resolve()) + "".join(t.partition("::")[1:])
+        for t in given.tests
+    ]
+    with tempfile.TemporaryDirectory(prefix="cardan-mutants-") as copy:
+        shutil.copytree(
+            ROOT / "src", Path(copy) / "src", ignore=shutil.ignore_patterns("__pycache__")
+        )
+        os.chdir(copy)
+        os.environ |= {"PYTHONPATH": str(Path(copy) / "src"), "OPENBLAS_NUM_THREADS": "1"}
+        files = [
+            file
+            for name in given.modules
+            for file in (
+                sorted((PACKAGE / name).rglob("*.py"))
+                if (PACKAGE / name).is_dir()
+                else [PACKAGE / name]
             )
-            return found
-
-        with ThreadPoolExecutor(AT_ONCE) as threads:
-            found = list(threads.map(one, mutants))
-    say("")
-    for line in table(mutants, found):
-        say(line)
-    say(f"\n{time.monotonic() - begun:.0f} s")
-    return 1 if red or {SURVIVED, LOST} & set(found) else 0
+            if file.name != "__init__.py"
+        ]
+        found = [judge(f.relative_to(PACKAGE), extra, given.sample, given.seed) for f in files]
+    return int(any(survived for _, survived in found))
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

@@ -5,8 +5,8 @@ import pytest
 from spreadsheet import recalculated
 
 import cardan
-from cardan.report.language import Language
-from cardan.report.workbook import workbook
+from cardan.documents.workbook import workbook_bytes
+from cardan.render.i18n import Translator
 
 pytestmark = pytest.mark.office
 
@@ -30,11 +30,11 @@ driveline:
 """
 
 
-def test_live_formulas_come_to_what_cardan_computed(tmp_path):
+def test_live_formulas_recalculate_to_stored_values(tmp_path):
     """Cells that the file stores a number in: AE-7's with the yokes behind what keeps the speed."""
     file, book = tmp_path / "line.yaml", tmp_path / "line.xlsx"
     file.write_text(TEXT, encoding="utf-8")
-    book.write_bytes(workbook(cardan.check(cardan.read(file)), say=Language("en")))
+    book.write_bytes(workbook_bytes(cardan.check(cardan.read(file)), say=Translator("en")))
     formulas, stored = openpyxl.load_workbook(book), openpyxl.load_workbook(book, data_only=True)
     (anew,) = recalculated([book], tmp_path)
     held = 0

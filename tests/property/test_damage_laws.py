@@ -8,21 +8,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cardan.base.errors import DesignError
-from cardan.base.units import MPa
-from cardan.fatigue import strength
-from cardan.fatigue.correction import fkm, gerber, goodman, swt, uncorrected, walker
-from cardan.fatigue.damage import (
-    LEAVES,
-    Life,
-    damage_exponent,
+from cardan.core.errors import DesignError
+from cardan.core.units import MPa
+from cardan.physics.fatigue import sn_curve as strength
+from cardan.physics.fatigue.damage import (
+    MAX_OMITTED_DAMAGE_SHARE,
+    LifeEstimate,
+    damage_to_stress_exponent,
+    damage_with_omission,
     equivalent_range,
-    miner,
-    nearly,
-    repeats_at,
+    miner_damage,
+    repeats_at_failure_probabilities,
 )
-from cardan.fatigue.rainflow import FromTo, half_cycles, rainflow
-from cardan.fatigue.strength import SNCurve
+from cardan.physics.fatigue.mean_stress import fkm, gerber, goodman, swt, uncorrected, walker
+from cardan.physics.fatigue.rainflow import FromToMatrix, half_cycles, rainflow
+from cardan.physics.fatigue.sn_curve import SNCurve
 
 CURVE = SNCurve(amplitude=100 * MPa, cycles=2e6, slope=5, scatter=0.05)
 CORRECTIONS = {
@@ -33,7 +33,7 @@ CORRECTIONS = {
     "fkm": partial(fkm, sensitivity=0.2),
 }
 stress = st.floats(1, 600).map(lambda s: s * MPa)
-modest = settings(max_examples=60, deadline=None)
+modest = settings(max_examples=60)
 
 
 def history(seed=0, scale=80):
@@ -43,32 +43,32 @@ def history(seed=0, scale=80):
 @pytest.mark.parametrize("name", CORRECTIONS)
 @modest
 @given(amplitude=stress, mean=st.floats(-600, 600), more=st.floats(0, 100))
-def test_a_larger_mean_is_never_kinder(name, amplitude, mean, more):
+def test_larger_mean_stress_never_reduces_damage(name, amplitude, mean, more):
     correct = CORRECTIONS[name]
     low, high = correct(amplitude, mean * MPa), correct(amplitude, (mean + more) * MPa)
     assert high >= low * (1 - 1e-12)
 
 
 @pytest.mark.parametrize("name", CORRECTIONS)
-def test_no_mean_no_correction(name):
+def test_zero_mean_stress_needs_no_correction(name):
     assert CORRECTIONS[name](np.array([5.0]), np.zeros(1)) == pytest.approx(5.0, rel=1e-14)
 
 
-def test_a_mean_at_the_strength_breaks_at_once():
+def test_mean_stress_at_strength_gives_immediate_failure():
     assert CORRECTIONS["goodman"](1.0, 700 * MPa) == math.inf
     assert CORRECTIONS["gerber"](1.0, 800 * MPa) == math.inf
 
 
 @modest
 @given(amplitude=stress)
-def test_original_modified_elementary_in_that_order(amplitude):
+def test_damage_increases_from_original_to_modified_to_elementary(amplitude):
     harm = [c.damage(amplitude) for c in (CURVE.original(), CURVE.modified(), CURVE.elementary())]
     assert harm == sorted(harm)
 
 
 @modest
 @given(amplitude=stress, factor=st.floats(1, 2))
-def test_curve_has_its_slopes(amplitude, factor):
+def test_sn_curve_damage_follows_its_slopes(amplitude, factor):
     if amplitude > CURVE.amplitude:
         growth = CURVE.damage(factor * amplitude) / CURVE.damage(amplitude)
         assert growth == pytest.approx(factor**5, rel=1e-9)
@@ -79,65 +79,69 @@ def test_curve_has_its_slopes(amplitude, factor):
         )
 
 
-def test_two_halves_do_the_damage_of_one():
+def test_half_repeats_give_half_damage():
     x = history()
     cycles = rainflow(x)
-    whole = miner(cycles, curve=CURVE)
-    assert miner(cycles.repeated(0.5), curve=CURVE) == pytest.approx(whole / 2, rel=1e-12)
+    whole = miner_damage(cycles, curve=CURVE)
+    assert miner_damage(cycles.repeated(0.5), curve=CURVE) == pytest.approx(whole / 2, rel=1e-12)
 
 
-def test_the_matrix_does_the_damage_of_its_cycles():
+def test_rainflow_matrix_damage_matches_cycle_damage():
     """Ends fall uniformly in their bins: E ΔS² = w²/6, so the bias is k(k-1)/2 · w²/6R²."""
     cycles = rainflow(history())
-    matrix = FromTo.empty().added(cycles)
+    matrix = FromToMatrix.empty().with_cycles(cycles)
     curve = CURVE.elementary()
-    binned, exact = miner(matrix.cycles(), curve=curve), miner(cycles, curve=curve)
+    binned, exact = miner_damage(matrix.cycles(), curve=curve), miner_damage(cycles, curve=curve)
     typical = equivalent_range(cycles, slope=5)
     assert abs(binned / exact - 1) < 10 * 10 * (matrix.width / typical) ** 2 / 6
     assert abs(binned / exact - 1) < 1e-3
 
 
-def test_damage_exponent_is_the_slope_of_a_single_line():
-    assert damage_exponent(rainflow(history()), curve=CURVE.elementary()) == pytest.approx(
-        5, rel=1e-6
-    )
-    bent = damage_exponent(rainflow(history()), curve=CURVE.modified())
+def test_damage_exponent_of_single_slope_curve_is_its_slope():
+    assert damage_to_stress_exponent(
+        rainflow(history()), curve=CURVE.elementary()
+    ) == pytest.approx(5, rel=1e-6)
+    bent = damage_to_stress_exponent(rainflow(history()), curve=CURVE.modified())
     assert 5 < bent < 9
 
 
-def test_more_scatter_fails_the_first_tenth_sooner():
+def test_larger_scatter_shortens_life_at_ten_percent_failure():
     cycles = rainflow(history())
-    sure = repeats_at(cycles, curve=CURVE)
-    unsure = repeats_at(cycles, curve=CURVE, gauge_error=0.1)
+    sure = repeats_at_failure_probabilities(cycles, curve=CURVE)
+    unsure = repeats_at_failure_probabilities(cycles, curve=CURVE, gauge_error=0.1)
     assert unsure[0.1] < sure[0.1] < sure[0.5] < sure[0.9] < unsure[0.9]
     assert unsure[0.5] == sure[0.5]
 
 
-def test_scatters_of_strength_and_gauge_add_as_squares():
+def test_strength_and_gauge_scatter_add_as_squares():
     """Of independent lognormals; 10 % of the scale is √ln 1.01 / ln 10 = 0.04332 in log10."""
     z, gauge = 1.2815515655446004, math.sqrt(math.log(1.01)) / math.log(10)
     assert gauge == pytest.approx(0.04332, abs=5e-6)
-    straight = SNCurve(amplitude=100 * MPa, cycles=2e6, slope=5, beyond=5, scatter=0.05)
-    found = repeats_at(rainflow(history()), curve=straight, gauge_error=0.1)
+    straight = SNCurve(amplitude=100 * MPa, cycles=2e6, slope=5, slope_beyond_knee=5, scatter=0.05)
+    found = repeats_at_failure_probabilities(rainflow(history()), curve=straight, gauge_error=0.1)
     both = math.sqrt(0.05**2 + gauge**2)
     assert found[0.1] / found[0.5] == pytest.approx(10 ** (-5 * z * both), rel=1e-9)
 
 
-def test_probability_curves_are_their_scatter_apart():
+def test_probability_curves_are_separated_by_scatter():
     z = 1.2815515655446004  # the normal deviate of 90 %
-    assert CURVE.at(0.1).amplitude == pytest.approx(100 * MPa * 10 ** (-0.05 * z), rel=1e-12)
-    assert CURVE.at(0.1).at(0.5).amplitude == pytest.approx(100 * MPa, rel=1e-12)
+    assert CURVE.at_failure_share(0.1).amplitude == pytest.approx(
+        100 * MPa * 10 ** (-0.05 * z), rel=1e-12
+    )
+    assert CURVE.at_failure_share(0.1).at_failure_share(0.5).amplitude == pytest.approx(
+        100 * MPa, rel=1e-12
+    )
 
 
-def test_life_scales_with_what_is_driven():
-    life = Life(damage=1e-4, duration=7200, distance=90e3, allowed=0.5)
+def test_life_scales_with_duration_of_use():
+    life = LifeEstimate(damage=1e-4, duration=7200, distance=90e3, allowed=0.5)
     assert life.repeats == pytest.approx(5000)
     assert life.hours == pytest.approx(10_000)
     assert life.kilometres == pytest.approx(450_000)
-    assert Life(damage=0.0, duration=1.0).hours == math.inf
+    assert LifeEstimate(damage=0.0, duration=1.0).hours == math.inf
 
 
-def test_rougher_and_larger_parts_bear_less():
+def test_rougher_and_larger_parts_have_lower_strength():
     finishes = ["ground", "machined", "hot-rolled", "as-forged"]
     factors = [strength.surface_factor(f, ultimate=700 * MPa) for f in finishes]
     assert factors == sorted(factors, reverse=True)
@@ -145,8 +149,8 @@ def test_rougher_and_larger_parts_bear_less():
     assert sizes == sorted(sizes, reverse=True)
 
 
-def test_steel_passes_through_its_two_points():
-    curve = strength.steel(700 * MPa, endurance=200 * MPa)
+def test_steel_sn_curve_passes_through_its_two_points():
+    curve = strength.steel_sn_curve(700 * MPa, endurance=200 * MPa)
     assert curve.life(630 * MPa) == pytest.approx(1e3, rel=1e-9)
     assert curve.life(200 * MPa) == pytest.approx(1e6, rel=1e-9)
     assert curve.life(199 * MPa) == math.inf
@@ -155,21 +159,27 @@ def test_steel_passes_through_its_two_points():
 
 @pytest.mark.parametrize(
     "change",
-    [{"slope": 0}, {"cycles": -1}, {"amplitude": math.nan}, {"beyond": 3}, {"failure": 1.0}],
+    [
+        {"slope": 0},
+        {"cycles": -1},
+        {"amplitude": math.nan},
+        {"slope_beyond_knee": 3},
+        {"failure": 1.0},
+    ],
 )
-def test_impossible_curves_are_refused(change):
+def test_invalid_sn_curve_is_rejected(change):
     with pytest.raises(DesignError, match="must"):
         SNCurve(**{"amplitude": 1e8, "cycles": 1e6, "slope": 5.0} | change)
 
 
-def test_correction_does_not_touch_the_amplitude_when_none_is_asked():
+def test_amplitude_is_unchanged_without_mean_stress_correction():
     assert uncorrected([3.0], [9.0]) == [3.0]
 
 
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("slope", [2, 3, 5, 9])
 @pytest.mark.parametrize("name", [None, "goodman", "fkm"])
-def test_small_cycles_that_are_left_out_do_no_more_than_said(seed, slope, name):
+def test_omitted_small_cycles_stay_within_stated_damage_share(seed, slope, name):
     """Against every cycle of it counted: steep curves leave most out, flat ones hardly any."""
     rng = np.random.default_rng(seed)
     x = 30 * MPa + 20 * MPa * rng.normal(size=4000) * rng.lognormal(0, 1, 4000)
@@ -177,7 +187,7 @@ def test_small_cycles_that_are_left_out_do_no_more_than_said(seed, slope, name):
     correct = uncorrected if name is None else CORRECTIONS[name]
     for curve in (SNCurve(amplitude=100 * MPa, cycles=2e6, slope=slope).modified(),
                   SNCurve(amplitude=100 * MPa, cycles=2e6, slope=slope).elementary()):  # fmt: skip
-        every = miner(rainflow(x), curve=curve, correction=correct)
-        told = nearly(x, rule=half_cycles, curve=curve, correction=correct)
-        assert every * (1 - LEAVES) <= told <= every * (1 + 1e-12)
-    assert nearly(np.full(9, 5.0), rule=half_cycles, curve=CURVE) == 0
+        every = miner_damage(rainflow(x), curve=curve, correction=correct)
+        told = damage_with_omission(x, rule=half_cycles, curve=curve, correction=correct)
+        assert every * (1 - MAX_OMITTED_DAMAGE_SHARE) <= told <= every * (1 + 1e-12)
+    assert damage_with_omission(np.full(9, 5.0), rule=half_cycles, curve=CURVE) == 0

@@ -7,19 +7,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from cardan.base.units import deg, kNm, mm, rpm
-from cardan.demand.axles import at_slip, axle_loads, each_axle, line_loads
-from cardan.demand.states import demand, resolve
-from cardan.demand.suspension import (
-    axle_path,
-    spring_deflection,
-    spring_load,
-    spring_rate,
-    table_rates,
-)
-from cardan.demand.torque import gears
-from cardan.model.application import Application, Installed, State
-from cardan.model.layout import Layout, from_slopes
+from cardan.core.units import deg, kNm, mm, rpm
+from cardan.model.application import Application, InstalledLine, VehicleState
+from cardan.model.layout import Layout, layout_from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft
 from cardan.model.vehicle import (
     AuxiliaryAxle,
@@ -33,6 +23,21 @@ from cardan.model.vehicle import (
     Tyre,
     Vehicle,
 )
+from cardan.physics.vehicle.axle_loads import (
+    axle_loads_at_wheel_slip,
+    driveline_axle_loads,
+    load_of_each_axle,
+    static_axle_loads,
+)
+from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
+from cardan.physics.vehicle.suspension import (
+    axle_path,
+    spring_deflection,
+    spring_load,
+    spring_rate,
+    spring_table_rates,
+)
+from cardan.physics.vehicle.torque import gear_table
 
 drives = st.sampled_from(["4x2", "4x4", "6x2", "6x4", "6x6", "8x2", "8x4", "8x8"])
 frictions = st.floats(0.05, 1.0)
@@ -61,12 +66,12 @@ def loaded(draw):
 
 @settings(max_examples=60)
 @given(drawn=loaded(), front=shares, rear=shares, friction=st.floats(-1, 1))
-def test_loads_sum_up_to_the_weight(drawn, front, rear, friction):
+def test_axle_loads_sum_to_weight(drawn, front, rear, friction):
     """To rounding: sums of up to five numbers, so a few units in the last place."""
     vehicle, load = drawn
-    still = axle_loads(vehicle, load, grade=vehicle.grade)
+    still = static_axle_loads(vehicle, load, grade=vehicle.grade)
     weight = load.mass * 9.80665 * np.cos(vehicle.grade)
-    slipping = at_slip(
+    slipping = axle_loads_at_wheel_slip(
         still,
         friction=friction,
         cg_height=load.cg_height,
@@ -76,17 +81,17 @@ def test_loads_sum_up_to_the_weight(drawn, front, rear, friction):
     )
     for loads in (still, slipping):
         assert loads.total == pytest.approx(weight, rel=1e-14)
-        assert each_axle(loads, vehicle).sum() == pytest.approx(weight, rel=1e-14)
+        assert load_of_each_axle(loads, vehicle).sum() == pytest.approx(weight, rel=1e-14)
 
 
 @settings(max_examples=60)
 @given(drawn=loaded(), front=shares, rear=shares, friction=st.floats(-1, 1))
-def test_at_the_slip_limit_the_transfer_is_that_of_its_own_force(drawn, front, rear, friction):
+def test_load_transfer_at_slip_limit_satisfies_force_balance(drawn, front, rear, friction):
     """N' = N + F h/L with F = mu (sf Nf' + sr Nr'): the closed form solves its equation."""
     vehicle, load = drawn
     h, length = load.cg_height, vehicle.wheelbase
-    still = axle_loads(vehicle, load)
-    found = at_slip(
+    still = static_axle_loads(vehicle, load)
+    found = axle_loads_at_wheel_slip(
         still,
         friction=friction,
         cg_height=h,
@@ -101,10 +106,10 @@ def test_at_the_slip_limit_the_transfer_is_that_of_its_own_force(drawn, front, r
 
 
 @given(drawn=loaded(), friction=frictions, more=st.floats(0.01, 0.5))
-def test_more_grip_is_more_load_on_driven_rear_wheels(drawn, friction, more):
+def test_more_grip_increases_load_on_driven_rear_wheels(drawn, friction, more):
     vehicle, load = drawn
     level = replace(vehicle, grade=0.0)
-    one, two = (line_loads(level, load, friction=f) for f in (friction, friction + more))
+    one, two = (driveline_axle_loads(level, load, friction=f) for f in (friction, friction + more))
     assert two.traction * (1 + 1e-12) >= one.traction >= one.rest * (1 - 1e-12)
 
 
@@ -119,16 +124,16 @@ def springs(draw):
 
 
 @given(spring=springs(), one=st.floats(-0.2, 0.8), more=st.floats(1e-4, 0.1))
-def test_more_load_is_more_deflection(spring, one, more):
+def test_larger_load_increases_spring_deflection(spring, one, more):
     assert spring_load(spring, one + more) > spring_load(spring, one)
     assert spring_deflection(spring, spring_load(spring, one)) == pytest.approx(one, abs=1e-12)
-    rates = table_rates(spring)
+    rates = spring_table_rates(spring)
     rate = spring_rate(spring, one)
     assert rates.min() * (1 - 1e-9) <= rate <= rates.max() * (1 + 1e-9)
 
 
 @given(angle=st.floats(-0.4, 0.4), travel=st.floats(-0.15, 0.15), rate=st.floats(-1, 1))
-def test_a_link_seen_from_its_other_end_undoes_the_way(angle, travel, rate):
+def test_reversed_link_motion_is_inverse(angle, travel, rate):
     """Back from where the axle went: the same way, the other sign."""
     there = axle_path(Linkage(radius=0.7, angle=angle, pitch_rate=rate), travel)
     new = np.arcsin(np.sin(angle) - travel / 0.7)
@@ -142,10 +147,10 @@ def test_a_link_seen_from_its_other_end_undoes_the_way(angle, travel, rate):
     share=st.floats(0.2, 1),
     speed=st.floats(0.5, 2),
 )
-def test_power_in_is_power_out_but_for_the_losses(ratios, efficiency, share, speed):
+def test_output_power_is_input_power_less_losses(ratios, efficiency, share, speed):
     engine = Engine(speed=(100.0, 150.0, 250.0), torque=(800.0, 1000.0, 700.0))
     gearbox = Gearbox(ratios=tuple(ratios), efficiency=efficiency)
-    table = gears(engine, gearbox, torque_ratio=share, speed_ratio=speed)
+    table = gear_table(engine, gearbox, torque_ratio=share, speed_ratio=speed)
     power = np.asarray(engine.speed) * engine.torque
     np.testing.assert_allclose(
         table.torque * table.speed, efficiency * share * speed * power * np.ones((len(ratios), 1)),
@@ -164,14 +169,16 @@ LINE = Line(
         Shaft(length=1.6),
     )
 )
-LAYOUT = from_slopes(
+LAYOUT = layout_from_slopes(
     side=np.radians([3, 1.5, 2, 6, 3]), top=np.radians([0, 0.5, -0.8, 0.3, 0]),
     lengths=[1.3, 1.1, 1.6],
 )  # fmt: skip
 COLLECTOR = Application(
     title="A 6x2",
-    lines=(Installed(line=LINE, layout=LAYOUT, axle=Axle(ratio=4.3, pinion_joint=(-0.4, 0.0))),),
-    states=tuple(State(name=kind, kind=kind) for kind in KINDS),
+    lines=(
+        InstalledLine(line=LINE, layout=LAYOUT, axle=Axle(ratio=4.3, pinion_joint=(-0.4, 0.0))),
+    ),
+    states=tuple(VehicleState(name=kind, kind=kind) for kind in KINDS),
     limits=(),
     profile="none",
     vehicle=Vehicle(
@@ -203,40 +210,42 @@ PER_STATE = (
 
 @settings(max_examples=20)
 @given(order=st.permutations(range(len(KINDS))))
-def test_reordering_states_changes_nothing(order):
-    one = demand(resolve(COLLECTOR, COLLECTOR.lines[0]))
+def test_order_of_states_does_not_change_results(order):
+    one = line_state_demand(resolve_line_references(COLLECTOR, COLLECTOR.lines[0]))
     shuffled = replace(COLLECTOR, states=tuple(COLLECTOR.states[k] for k in order))
-    two = demand(resolve(shuffled, COLLECTOR.lines[0]))
+    two = line_state_demand(resolve_line_references(shuffled, COLLECTOR.lines[0]))
     np.testing.assert_array_equal(one.layout.points[list(order)], two.layout.points)
     np.testing.assert_array_equal(one.layout.directions[list(order)], two.layout.directions)
     for name in PER_STATE:
         np.testing.assert_array_equal(getattr(one, name)[list(order)], getattr(two, name), name)
 
 
-def test_a_mirrored_vehicle_is_asked_the_same():
+def test_mirrored_vehicle_has_equal_demand():
     installed = COLLECTOR.lines[0]
     mirror = np.array([1.0, -1.0, 1.0])
     image = Layout(points=LAYOUT.points * mirror, directions=LAYOUT.directions * mirror)
     one, two = (
-        demand(resolve(COLLECTOR, i)) for i in (installed, replace(installed, layout=image))
+        line_state_demand(resolve_line_references(COLLECTOR, i))
+        for i in (installed, replace(installed, layout=image))
     )
     np.testing.assert_allclose(one.layout.points * mirror, two.layout.points, atol=1e-15)
     for name in PER_STATE:
         np.testing.assert_allclose(getattr(one, name), getattr(two, name), atol=1e-14)
 
 
-def test_the_axle_climbs_from_rebound_to_jounce():
-    found = demand(resolve(COLLECTOR, COLLECTOR.lines[0]))
+def test_axle_travel_increases_from_rebound_to_bump():
+    found = line_state_demand(resolve_line_references(COLLECTOR, COLLECTOR.lines[0]))
     assert np.all(np.diff(found.travel[:7]) > 0)
 
 
 @settings(max_examples=20)
 @given(shift=st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-1, 1)))
-def test_where_the_origin_lies_does_not_matter(shift):
+def test_choice_of_origin_does_not_change_results(shift):
     installed = COLLECTOR.lines[0]
     elsewhere = Layout(points=LAYOUT.points + shift, directions=LAYOUT.directions)
     one, two = (
-        demand(resolve(COLLECTOR, i)) for i in (installed, replace(installed, layout=elsewhere))
+        line_state_demand(resolve_line_references(COLLECTOR, i))
+        for i in (installed, replace(installed, layout=elsewhere))
     )
     np.testing.assert_allclose(one.layout.points + shift, two.layout.points, atol=1e-14)
     np.testing.assert_allclose(one.spline_travel, two.spline_travel, atol=1e-14)

@@ -5,29 +5,28 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cardan.dynamics.lateral import rigid_shaft
-from cardan.dynamics.pendulum import Pendulum
-from cardan.dynamics.periodic import (
-    Periodic,
-    growth,
-    hill_multipliers,
-    liouville,
-    monodromy,
-    multipliers,
-)
-from cardan.dynamics.runup import passage
-from cardan.dynamics.torsion import (
-    TorsionLine,
-    about_forced_orbit,
-    about_rigid_rotation,
-    about_rigid_shafts,
-    orbit,
-    transmitted,
-)
 from cardan.model.laminate import CARBON_EPOXY, CompositeTube
-from cardan.shaft.composite import ply_stresses, strength_ratio
+from cardan.physics.dynamics.floquet import (
+    PeriodicSystem,
+    floquet_multipliers,
+    growth_rate,
+    hill_multipliers,
+    liouville_determinant,
+    monodromy_matrix,
+)
+from cardan.physics.dynamics.lateral import rigid_shaft_system
+from cardan.physics.dynamics.run_up import passage
+from cardan.physics.dynamics.suspended_body import BodySuspendedFromJoint
+from cardan.physics.dynamics.torsional_line import (
+    TorsionalLine,
+    linearised_about_periodic_motion,
+    linearised_about_rigid_rotation,
+    output_angle_derivatives,
+    periodic_motion,
+)
+from cardan.physics.strength.composite_tube import ply_stresses, strength_ratio
 
-few = settings(max_examples=25, deadline=None)
+few = settings(max_examples=25)
 angles = st.floats(0.0, 0.6)
 sizes = st.floats(0.2, 5.0)
 speeds = st.floats(0.2, 3.0)
@@ -40,7 +39,7 @@ some_damping, no_damping = st.floats(0.0, 0.2), st.just(0.0)
 def lines(draw, damping=some_damping):
     """Lines of two joints and an inertia, any twist."""
     three = lambda s: np.array([draw(s) for _ in range(3)])  # noqa: E731
-    return TorsionLine(
+    return TorsionalLine(
         beta=np.array([draw(angles), draw(angles), 0.0]), stiffness=three(sizes),
         driving=three(sizes), driven=np.array([draw(sizes), draw(sizes), 0.0]),
         damping=draw(damping) * np.ones(3), twist=three(st.floats(-3, 3)),
@@ -50,19 +49,20 @@ def lines(draw, damping=some_damping):
 
 @few
 @given(line=lines(), speed=speeds)
-def test_liouville(line, speed):
+def test_monodromy_determinant_satisfies_liouville(line, speed):
     """What damping takes out of a volume of states in half a turn is its trace."""
-    for about in (about_rigid_rotation, about_rigid_shafts):
-        system = about(line, speed)
-        assert np.linalg.det(monodromy(system)) == pytest.approx(float(liouville(system)), rel=1e-7)
+    system = linearised_about_rigid_rotation(line, speed)
+    assert np.linalg.det(monodromy_matrix(system)) == pytest.approx(
+        float(liouville_determinant(system)), rel=1e-7
+    )
 
 
 @few
 @given(line=lines(damping=no_damping), speed=speeds)
-def test_undamped_multipliers_pair_up(line, speed):
+def test_undamped_multipliers_occur_in_reciprocal_pairs(line, speed):
     """About a motion the equations allow, with no damping, ρ comes with 1/ρ: energy's law."""
     try:
-        rho = multipliers(about_forced_orbit(line, speed), tolerance=1e-12)
+        rho = floquet_multipliers(linearised_about_periodic_motion(line, speed), tolerance=1e-12)
     except Exception as error:  # noqa: BLE001  an undamped line in resonance has no orbit
         pytest.skip(str(error))
     product = rho[:, None] * rho
@@ -72,38 +72,41 @@ def test_undamped_multipliers_pair_up(line, speed):
 
 @few
 @given(line=lines(), speed=speeds)
-def test_straight_joints_excite_nothing(line, speed):
-    straight = TorsionLine(
+def test_straight_joints_give_no_excitation(line, speed):
+    straight = TorsionalLine(
         beta=0 * line.beta, stiffness=line.stiffness, driving=line.driving, driven=line.driven,
         damping=line.damping + 0.01, twist=line.twist,
     )  # fmt: skip
-    assert np.abs(orbit(straight, speed).order(2)).max() < 1e-9
-    assert growth(about_forced_orbit(straight, speed)) < 0
+    assert np.abs(periodic_motion(straight, speed).order(2)).max() < 1e-9
+    assert growth_rate(linearised_about_periodic_motion(straight, speed)) < 0
 
 
 @few
 @given(line=lines(), speed=speeds, turned=st.floats(-3, 3))
-def test_where_the_turn_begins_does_not_matter(line, speed, turned):
+def test_start_angle_does_not_change_growth_rate(line, speed, turned):
     """Twisting what lies ahead of everything shifts time, and no growth rate."""
-    again = TorsionLine(
+    again = TorsionalLine(
         beta=line.beta, stiffness=line.stiffness, driving=line.driving, driven=line.driven,
         damping=line.damping, twist=line.twist, front=0.0, front_twist=turned,
     )  # fmt: skip
-    plain = TorsionLine(
+    plain = TorsionalLine(
         beta=line.beta, stiffness=line.stiffness, driving=line.driving, driven=line.driven,
         damping=line.damping, twist=line.twist,
     )  # fmt: skip
-    rates = [growth(about_rigid_shafts(one, speed), tolerance=1e-12) for one in (again, plain)]
+    rates = [
+        growth_rate(linearised_about_rigid_rotation(one, speed), tolerance=1e-12)
+        for one in (again, plain)
+    ]
     # Undamped, a double multiplier on the unit circle is known to the square root only.
     assert rates[0] == pytest.approx(float(rates[1]), abs=2e-6)
 
 
 @few
 @given(theta=st.floats(-10, 10), beta=st.floats(0.0, 1.2))
-def test_derivatives_of_a_joint(theta, beta):
+def test_joint_derivatives_match_finite_differences(theta, beta):
     h = 1e-4
-    ahead, behind = (transmitted(theta + s, beta=beta) for s in (h, -h))
-    here = transmitted(theta, beta=beta)
+    ahead, behind = (output_angle_derivatives(theta + s, beta=beta) for s in (h, -h))
+    here = output_angle_derivatives(theta, beta=beta)
     scale = 1 / np.cos(beta) ** 4
     for k in range(3):
         assert (ahead[k] - behind[k]) / (2 * h) == pytest.approx(
@@ -113,14 +116,14 @@ def test_derivatives_of_a_joint(theta, beta):
 
 @few
 @given(a=st.floats(0.3, 4), q=st.floats(0, 1.5), c=st.floats(0.02, 0.3), period=st.floats(0.5, 5))
-def test_hill_and_time_agree(a, q, c, period):
-    system = Periodic(
+def test_hill_multipliers_agree_with_time_integration(a, q, c, period):
+    system = PeriodicSystem(
         period=np.array(period),
         matrices=lambda t: (
             np.eye(1), c * np.eye(1), (a + q * np.cos(2 * np.pi * t))[:, None, None]
         ),
     )  # fmt: skip
-    rho, hill = multipliers(system, tolerance=1e-12), hill_multipliers(system)
+    rho, hill = floquet_multipliers(system, tolerance=1e-12), hill_multipliers(system)
     # Sum and product are well conditioned even where the two meet.
     assert hill.sum() == pytest.approx(rho.sum(), abs=1e-8 * np.abs(rho).max())
     assert hill.prod() == pytest.approx(rho.prod(), abs=1e-8 * np.abs(rho).max() ** 2)
@@ -128,18 +131,18 @@ def test_hill_and_time_agree(a, q, c, period):
 
 @few
 @given(speed=speeds, torque=st.floats(0, 0.8), sigma=st.floats(0, 1), ia=st.floats(0, 0.5))
-def test_a_shaft_seen_turning_is_constant(speed, torque, sigma, ia):
-    shaft = rigid_shaft(
+def test_symmetric_shaft_is_constant_in_rotating_frame(speed, torque, sigma, ia):
+    shaft = rigid_shaft_system(
         speed=speed, torque=torque, transverse_inertia=1.0, polar_inertia=ia, stiffness=1.0,
         damping=0.05, follower=sigma,
     )  # fmt: skip
-    exact = shaft.rotating_exponents().real.max()
-    assert growth(shaft.system, tolerance=1e-12) == pytest.approx(exact, abs=1e-6)
+    exact = shaft.rotating_frame_exponents().real.max()
+    assert growth_rate(shaft.periodic_system, tolerance=1e-12) == pytest.approx(exact, abs=1e-6)
 
 
 @few
 @given(rate=st.floats(1e-3, 0.05), more=st.floats(1.1, 3), zeta=st.floats(0, 0.05))
-def test_faster_through_resonance_is_lower(rate, more, zeta):
+def test_faster_sweep_through_resonance_has_lower_peak(rate, more, zeta):
     slow, fast = passage(rate=np.array([rate, more * rate]), damping_ratio=zeta).peak
     assert fast < slow
 
@@ -148,8 +151,8 @@ def test_faster_through_resonance_is_lower(rate, more, zeta):
 @given(
     A=sizes, B=sizes, share=st.floats(0.1, 0.95), mgl=st.floats(0.1, 30), speed=st.floats(0.1, 20)
 )
-def test_friction_decides_for_a_hung_body(A, B, share, mgl, speed):
-    body = Pendulum(
+def test_stability_of_hung_body_follows_friction_criterion(A, B, share, mgl, speed):
+    body = BodySuspendedFromJoint(
         driving_inertia=A, driven_inertia=B, polar_inertia=share * (A + B), weight_moment=mgl,
         friction=0.3,
     )  # fmt: skip
@@ -160,9 +163,11 @@ def test_friction_decides_for_a_hung_body(A, B, share, mgl, speed):
 
 @few
 @given(fibres=st.lists(st.floats(0, np.pi / 2), min_size=1, max_size=5), torque=st.floats(10, 2000))
-def test_a_laminate_is_linear_and_balanced_ones_do_not_twist(fibres, torque):
-    tube = CompositeTube.wound(CARBON_EPOXY, [s * a for a in fibres for s in (1, -1)], outer=0.1)
-    assert np.abs(tube.membrane[:2, 2]).max() < 1e-6 * tube.membrane[2, 2]
+def test_laminate_is_linear_and_balanced_layup_does_not_twist(fibres, torque):
+    tube = CompositeTube.from_ply_angles(
+        CARBON_EPOXY, [s * a for a in fibres for s in (1, -1)], outer=0.1
+    )
+    assert np.abs(tube.membrane_stiffness[:2, 2]).max() < 1e-6 * tube.membrane_stiffness[2, 2]
     once, twice = ply_stresses(tube, torque), ply_stresses(tube, 2 * torque)
     np.testing.assert_allclose(twice, 2 * once, rtol=1e-12, atol=1e-3)
     ratios = strength_ratio(once, CARBON_EPOXY), strength_ratio(twice, CARBON_EPOXY)

@@ -8,15 +8,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cardan.base.errors import BadFile
-from cardan.base.units import UNITS, deg, mm
-from cardan.border.document import parse
-from cardan.files import loads, schema, starter
-from cardan.files.application import ApplicationTable
+from cardan.application.json_schema import application_schema
+from cardan.application.reader import ApplicationTable, loads
+from cardan.application.templates import template_text
+from cardan.core.errors import InvalidFileError
+from cardan.core.units import UNITS, deg, mm
 from cardan.model.application import Application
+from cardan.schema.yaml_tree import parse_yaml
 
-SMALL, TRUCK = starter("small"), starter("truck")
-VALIDATOR = jsonschema.Draft202012Validator(schema())
+SMALL, TRUCK = template_text("small"), template_text("truck")
+VALIDATOR = jsonschema.Draft202012Validator(application_schema())
 LINE = """\
 title: line
 driveline:
@@ -39,9 +40,9 @@ def numbers(values):
     return "[" + ", ".join(repr(float(v)) for v in values) + "]"
 
 
-@settings(deadline=None)
+@pytest.mark.slow
 @given(length=st.floats(0.3, 4), outer=st.floats(0.05, 0.2), wall=st.floats(0.002, 0.02))
-def test_a_part_is_the_same_in_every_unit(length, outer, wall):
+def test_part_is_equal_in_every_unit(length, outer, wall):
     """One rounding on the way to the file and one on the way back: a few parts in 1e16."""
     text = "title: a\ndriveline: {{slopes: {{side_deg: [1, 2, 3]}}, shafts: [{{{}}}]}}".format
     shafts = []
@@ -54,9 +55,8 @@ def test_a_part_is_the_same_in_every_unit(length, outer, wall):
         assert found == pytest.approx((length, outer, wall), rel=1e-15)
 
 
-@settings(deadline=None)
 @given(value=st.floats(0.01, 1e4), key=st.sampled_from(sorted(ApplicationTable.keys())))
-def test_a_key_means_its_number_times_its_unit(value, key):
+def test_key_value_is_number_times_unit(value, key):
     """Every key of the file's top that ends in a unit, read alone."""
     entry, unit = ApplicationTable.keys()[key]
     if not unit:
@@ -68,9 +68,9 @@ def test_a_key_means_its_number_times_its_unit(value, key):
 SMALL_BARE = SMALL.replace("speed_rpm: 2500 ", "# ").replace("torque_Nm: 8000 ", "# ")
 
 
-@settings(deadline=None)
+@pytest.mark.slow
 @given(side=members, top=members, lengths=lengths)
-def test_slopes_joint_angles_and_points_are_one_geometry(side, top, lengths):
+def test_slopes_joint_angles_and_points_give_equal_geometry(side, top, lengths):
     """Three ways to say a line of up to 9 m; rounding and its sums stay below 1e-13 m."""
     by_slopes = line(f"  slopes: {{side_deg: {numbers(side)}, top_deg: {numbers(top)}}}\n", lengths)
     bends = numbers(np.diff(side)), numbers(np.diff(top))
@@ -93,9 +93,9 @@ def test_slopes_joint_angles_and_points_are_one_geometry(side, top, lengths):
     assert by_slopes.layout.top / deg == pytest.approx(np.array(top), abs=1e-12)
 
 
-@settings(deadline=None)
+@pytest.mark.slow
 @given(side=members, lengths=lengths)
-def test_a_state_with_the_geometry_of_the_line_is_the_line(side, lengths):
+def test_state_with_geometry_of_line_equals_line(side, lengths):
     text = f"  slopes: {{side_deg: {numbers(side)}}}\n"
     state = f"states: [{{name: a, slopes: {{side_deg: {numbers(side)}}}}}]\n"
     application = loads(LINE.format(*lengths) + text + state)
@@ -103,9 +103,9 @@ def test_a_state_with_the_geometry_of_the_line_is_the_line(side, lengths):
     assert np.array_equal(layout.points, application.lines[0].layout.points)
 
 
-@settings(deadline=None)
+@pytest.mark.slow
 @given(order=st.permutations(range(len(SMALL.split("\n\n")))))
-def test_the_order_of_keys_does_not_matter(order):
+def test_order_of_keys_does_not_change_result(order):
     parts = SMALL.split("\n\n")
     shuffled = loads("\n\n".join(parts[k] for k in order))
     assert shuffled.limits == loads(SMALL).limits
@@ -128,7 +128,7 @@ def read_or_refused(text):
     """Return the application of a text, None where it is refused: nothing else may happen."""
     try:
         application = loads(text, name="f.yaml")
-    except BadFile as error:
+    except InvalidFileError as error:
         bad = error
     else:
         assert isinstance(application, Application)
@@ -144,9 +144,9 @@ def read_or_refused(text):
     return None
 
 
-@settings(deadline=None)
+@pytest.mark.slow
 @given(base=st.sampled_from([SMALL, TRUCK]), data=st.data())
-def test_a_good_file_with_something_put_in_or_taken_out(base, data):
+def test_file_with_inserted_or_deleted_text_is_read_or_rejected(base, data):
     text = base
     for _ in range(data.draw(st.integers(1, 3))):
         start = data.draw(st.integers(0, len(text)))
@@ -155,9 +155,9 @@ def test_a_good_file_with_something_put_in_or_taken_out(base, data):
     read_or_refused(text)
 
 
-@settings(deadline=None)
+@pytest.mark.slow
 @given(base=st.sampled_from([SMALL, TRUCK]), data=st.data())
-def test_a_good_file_with_another_number_anywhere(base, data):
+def test_file_with_changed_number_is_read_or_rejected(base, data):
     places = [m.span() for m in re.finditer(r"(?<![\w.#])-?\d[\d.]*(?![\w.])", base)]
     start, end = data.draw(st.sampled_from(places))
     number = data.draw(
@@ -170,31 +170,30 @@ def test_a_good_file_with_another_number_anywhere(base, data):
     read_or_refused(base[:start] + number + base[end:])
 
 
-@settings(deadline=None)
+@pytest.mark.slow
 @given(base=st.sampled_from([SMALL, TRUCK]), data=st.data())
-def test_a_good_file_without_one_of_its_lines_or_with_one_twice(base, data):
+def test_file_with_missing_or_repeated_line_is_read_or_rejected(base, data):
     lines = base.splitlines(keepends=True)
     k = data.draw(st.integers(0, len(lines) - 1))
     times = data.draw(st.sampled_from([0, 2]))
     read_or_refused("".join(lines[:k] + [lines[k]] * times + lines[k + 1 :]))
 
 
-@settings(deadline=None)
+@pytest.mark.slow
 @given(text=st.text())
-def test_any_text_at_all(text):
+def test_any_text_is_read_or_rejected(text):
     read_or_refused(text)
 
 
-@settings(deadline=None)
 @given(words=st.lists(WORDS, max_size=30))
-def test_any_string_of_words(words):
+def test_any_sequence_of_yaml_words_is_read_or_rejected(words):
     read_or_refused("".join(words))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(base=st.sampled_from([SMALL, TRUCK]), data=st.data())
-def test_the_schema_accepts_whatever_is_read(base, data):
+def test_schema_accepts_every_readable_file(base, data):
     start, end = data.draw(st.sampled_from([m.span() for m in re.finditer(r"[\w.-]+", base)]))
     text = base[:start] + data.draw(WORDS) + base[end:]
     if read_or_refused(text) is not None:
-        VALIDATOR.validate(parse(text, "f.yaml")[0].value)
+        VALIDATOR.validate(parse_yaml(text, "f.yaml")[0].value)

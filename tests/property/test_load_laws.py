@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cardan.kinematics.chain import turn
-from cardan.loads import Loads, loads, small_angle
-from cardan.model.layout import Layout, from_slopes
+from cardan.model.layout import Layout, layout_from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft, Spline, Tube
+from cardan.physics.kinematics.joint_chain import rotate_chain
+from cardan.physics.loads.small_angle import small_angle_bearing_forces
+from cardan.physics.loads.statics import JointLoads, joint_loads
 
 slopes = st.floats(-0.15, 0.15)
 SAMPLES = 16
@@ -39,20 +40,20 @@ def lines(draw: st.DrawFn) -> tuple[Layout, Line]:
     line = Line(
         shafts=shafts, axial_freedom=draw(st.sampled_from(["last_shaft", "gearbox_flange"]))
     )
-    return from_slopes(side=side, top=top, lengths=lengths), line
+    return layout_from_slopes(side=side, top=top, lengths=lengths), line
 
 
-def carried(layout: Layout, line: Line, torque: float = 1000.0, **more: object) -> Loads:
-    spin = turn(layout.directions, phases=line.phases, samples=SAMPLES)
-    return loads(layout, spin, line, torque=torque, **more)  # type: ignore[arg-type]
+def carried(layout: Layout, line: Line, torque: float = 1000.0, **more: object) -> JointLoads:
+    spin = rotate_chain(layout.directions, phases=line.phases, samples=SAMPLES)
+    return joint_loads(layout, spin, line, torque=torque, **more)  # type: ignore[arg-type]
 
 
-def scale(found: Loads) -> float:
+def scale(found: JointLoads) -> float:
     """Return the largest force about: what rounding errors are measured against."""
     return 1e-300 + np.abs(found.joint_forces.waves).max()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(case=lines())
 def test_forces_and_moments_on_every_shaft_balance(case: tuple[Layout, Line]):
     layout, line = case
@@ -80,9 +81,9 @@ def test_forces_and_moments_on_every_shaft_balance(case: tuple[Layout, Line]):
         assert np.abs(about).max() < 1e-10 * (1000.0 + scale(found))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(case=lines())
-def test_bearings_and_the_sliding_fit_hold_only_what_they_can(case: tuple[Layout, Line]):
+def test_bearings_and_spline_carry_only_admissible_forces(case: tuple[Layout, Line]):
     layout, line = case
     found = carried(layout, line, thrust=350.0)
     d = layout.directions
@@ -94,13 +95,13 @@ def test_bearings_and_the_sliding_fit_hold_only_what_they_can(case: tuple[Layout
     assert pulled == pytest.approx(np.full(SAMPLES, -350.0), rel=1e-9, abs=1e-10 * scale(found))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(case=lines())
-def test_the_moments_are_those_that_a_cross_can_hand_on(case: tuple[Layout, Line]):
+def test_joint_moments_are_admissible_for_cross(case: tuple[Layout, Line]):
     """M = T [d - a (a . d)] / (d' . d) at every angle, with the pins the turn itself gives."""
     layout, line = case
-    spin = turn(layout.directions, phases=line.phases, samples=SAMPLES)
-    moments = loads(layout, spin, line, torque=1000.0).joint_moments.values(SAMPLES)
+    spin = rotate_chain(layout.directions, phases=line.phases, samples=SAMPLES)
+    moments = joint_loads(layout, spin, line, torque=1000.0).joint_moments.values(SAMPLES)
     a, (u, v) = spin.driving_pins, (layout.directions[:-1], layout.directions[1:])
     torque = 1000.0 / np.concatenate([np.ones((1, SAMPLES)), spin.speed[:-1]])
     expected = v[:, None] - a * np.einsum("kni,ki->kn", a, v)[..., None]
@@ -108,12 +109,12 @@ def test_the_moments_are_those_that_a_cross_can_hand_on(case: tuple[Layout, Line
     assert moments == pytest.approx(expected, rel=0, abs=1e-10 * 1000)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(case=lines())
-def test_power_in_is_power_out(case: tuple[Layout, Line]):
+def test_input_power_equals_output_power(case: tuple[Layout, Line]):
     layout, line = case
-    spin = turn(layout.directions, phases=line.phases, samples=SAMPLES)
-    found = loads(layout, spin, line, torque=1000.0)
+    spin = rotate_chain(layout.directions, phases=line.phases, samples=SAMPLES)
+    found = joint_loads(layout, spin, line, torque=1000.0)
     power = found.torques.values(SAMPLES)[1:, :, 0] * spin.speed
     assert power == pytest.approx(np.full_like(power, 1000.0), rel=1e-12)
     # The cross's moment has the torque that arrives along the member behind it.
@@ -121,15 +122,15 @@ def test_power_in_is_power_out(case: tuple[Layout, Line]):
     assert arriving == pytest.approx(found.torques.values(SAMPLES)[1:, :, 0], rel=1e-11)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(case=lines(), speed=st.floats(0, 400), inertia=st.floats(0, 0.5))
-def test_power_that_goes_missing_speeds_up_shafts(
+def test_power_difference_equals_rate_of_kinetic_energy(
     case: tuple[Layout, Line], speed: float, inertia: float
 ):
     """Over a turn nothing is lost; within it the kinetic energy's rate is what is missing."""
     layout, line = case
-    spin = turn(layout.directions, phases=line.phases)
-    found = loads(
+    spin = rotate_chain(layout.directions, phases=line.phases)
+    found = joint_loads(
         layout,
         spin,
         line,
@@ -145,9 +146,9 @@ def test_power_that_goes_missing_speeds_up_shafts(
     assert out + rate == pytest.approx(np.full_like(out, 1000.0 * speed), abs=1e-9 * whole)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(case=lines())
-def test_a_mirrored_vehicle_has_mirrored_loads(case: tuple[Layout, Line]):
+def test_mirrored_vehicle_has_mirrored_loads(case: tuple[Layout, Line]):
     """Mirrored left to right phases change sign, and the torque turns the other way."""
     layout, line = case
     mirror = np.array([1.0, -1.0, 1.0])
@@ -165,30 +166,30 @@ def test_a_mirrored_vehicle_has_mirrored_loads(case: tuple[Layout, Line]):
         assert image.order(2) == pytest.approx(found.order(2).conj() * mirror, rel=0, abs=room)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(case=lines(), factor=st.floats(-3, 3))
-def test_torque_scales_everything(case: tuple[Layout, Line], factor: float):
+def test_loads_scale_with_torque(case: tuple[Layout, Line], factor: float):
     once, more = carried(*case), carried(*case, torque=1000.0 * factor)
     for name in ("joint_forces", "joint_moments", "bearing_forces", "torques"):
         expected = factor * getattr(once, name).waves
         assert getattr(more, name).waves == pytest.approx(expected, rel=1e-12, abs=1e-12)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(case=lines(), side=slopes, top=slopes)
-def test_a_straight_line_carries_no_force(case: tuple[Layout, Line], side: float, top: float):
+def test_straight_line_carries_no_force(case: tuple[Layout, Line], side: float, top: float):
     _, line = case
     n = line.joint_count
-    layout = from_slopes(side=[side] * (n + 1), top=[top] * (n + 1), lengths=line.lengths)
+    layout = layout_from_slopes(side=[side] * (n + 1), top=[top] * (n + 1), lengths=line.lengths)
     found = carried(layout, line)
     # Rounding of a moment of 1000 N m over the shortest shaft, and its lever.
     assert np.abs(found.joint_forces.waves).max() < 1e-10
     assert np.abs(found.bearing_forces.waves).max(initial=0.0) < 1e-10
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(case=lines(), angle=st.floats(-1, 1))
-def test_turning_the_whole_vehicle_turns_the_loads(case: tuple[Layout, Line], angle: float):
+def test_rotated_vehicle_has_rotated_loads(case: tuple[Layout, Line], angle: float):
     """About the vertical, so that the gearbox pin starts level again."""
     layout, line = case
     c, s = np.cos(angle), np.sin(angle)
@@ -198,9 +199,9 @@ def test_turning_the_whole_vehicle_turns_the_loads(case: tuple[Layout, Line], an
     assert there == pytest.approx(here @ turned.T, rel=0, abs=1e-10 * np.abs(here).max())
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(case=lines())
-def test_peaks_lie_above_every_sample_and_below_the_sum_of_the_orders(case: tuple[Layout, Line]):
+def test_peak_is_above_samples_and_below_sum_of_orders(case: tuple[Layout, Line]):
     force = carried(*case, gravity=GRAVITY).joint_forces
     sampled = np.linalg.norm(force.values(720), axis=-1).max(axis=-1)
     bound = np.linalg.norm(force.static, axis=-1) + force.dynamic
@@ -210,9 +211,9 @@ def test_peaks_lie_above_every_sample_and_below_the_sum_of_the_orders(case: tupl
     assert np.all(force.peak <= bound * (1 + 1e-12))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(case=lines(), torque=st.floats(-20e3, 20e3))
-def test_loads_are_linear_in_torque_sign_included(case: tuple[Layout, Line], torque: float):
+def test_loads_are_linear_in_signed_torque(case: tuple[Layout, Line], torque: float):
     """A line that holds back pulls its bearings the other way, and as hard."""
     layout, line = case
     one, found = carried(layout, line, torque=1.0), carried(layout, line, torque=torque)
@@ -221,6 +222,6 @@ def test_loads_are_linear_in_torque_sign_included(case: tuple[Layout, Line], tor
         # Below the smallest normal number nothing is proportional.
         rounding = 1e-13 * abs(torque) * (1 + np.abs(unit).max(initial=0.0)) + 1e-290
         np.testing.assert_allclose(waves, torque * unit, rtol=1e-13, atol=rounding)
-    near, far = (small_angle(layout, line, torque=t).waves for t in (1.0, torque))
+    near, far = (small_angle_bearing_forces(layout, line, torque=t).waves for t in (1.0, torque))
     rounding = 1e-13 * abs(torque) * np.abs(near).max(initial=0.0) + 1e-290
     np.testing.assert_allclose(far, torque * near, rtol=1e-13, atol=rounding)

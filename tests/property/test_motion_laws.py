@@ -4,9 +4,9 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cardan.demand.motion import Ride, moved
-from cardan.model.layout import Layout, from_points
+from cardan.model.layout import Layout, layout_from_points
 from cardan.model.parts import CentreBearing, Line, Shaft
+from cardan.physics.vehicle.axle_motion import AxleMotion, layout_after_axle_motion
 
 slopes = st.floats(-0.15, 0.15)
 shifts = st.tuples(*[st.floats(-0.06, 0.06)] * 3)
@@ -26,7 +26,7 @@ def lines(draw):
     # The lengths of the parts are on purpose not those between the points.
     shafts = [Shaft(length=1.0, centre_bearing=CentreBearing(from_rear_joint=b)) for b in behind]
     line = Line(shafts=(*shafts, Shaft(length=1.0)))
-    return line, from_points(points, gearbox=ends[0], pinion=ends[1])
+    return line, layout_from_points(points, gearbox=ends[0], pinion=ends[1])
 
 
 def bearings_of(layout, line):
@@ -46,16 +46,16 @@ def same(one, other, atol=1e-13):
 
 @settings(max_examples=40)
 @given(drawn=lines())
-def test_where_nothing_moves_nothing_changes(drawn):
+def test_zero_motion_changes_nothing(drawn):
     line, layout = drawn
-    same(moved(layout, line, pinion_arm=(-0.4, 0, 0.05)), layout)
+    same(layout_after_axle_motion(layout, line, pinion_arm=(-0.4, 0, 0.05)), layout)
 
 
 @settings(max_examples=60)
 @given(drawn=lines(), shift=shifts, pitch=slopes, bearing=shifts)
-def test_the_frame_holds_what_it_holds_and_shafts_keep_their_length(drawn, shift, pitch, bearing):
+def test_shafts_keep_length_and_frame_points_stay_fixed(drawn, shift, pitch, bearing):
     line, layout = drawn
-    new = moved(
+    new = layout_after_axle_motion(
         layout,
         line,
         bearing_shift=bearing,
@@ -80,9 +80,9 @@ def test_the_frame_holds_what_it_holds_and_shafts_keep_their_length(drawn, shift
 
 @settings(max_examples=40)
 @given(drawn=lines(), shift=shifts, pitch=slopes)
-def test_an_axle_moves_only_the_last_shaft(drawn, shift, pitch):
+def test_axle_motion_moves_only_last_shaft(drawn, shift, pitch):
     line, layout = drawn
-    new = moved(layout, line, last_shift=shift, pinion_pitch=pitch)
+    new = layout_after_axle_motion(layout, line, last_shift=shift, pinion_pitch=pitch)
     np.testing.assert_allclose(new.points[:-1], layout.points[:-1], atol=1e-13)
     np.testing.assert_allclose(new.points[-1], layout.points[-1] + shift, atol=1e-13)
     # A pitch is a change of the pinion's side slope, and of nothing else.
@@ -92,31 +92,35 @@ def test_an_axle_moves_only_the_last_shaft(drawn, shift, pitch):
 
 @settings(max_examples=40)
 @given(drawn=lines(), shift=shifts, pitch=slopes, bearing=shifts)
-def test_a_mirrored_line_moves_like_its_mirror_image(drawn, shift, pitch, bearing):
+def test_mirrored_line_moves_as_mirror_image(drawn, shift, pitch, bearing):
     line, layout = drawn
     mirror = np.array([1.0, -1.0, 1.0])
     other = Layout(points=layout.points * mirror, directions=layout.directions * mirror)
     ride = {"pinion_pitch": pitch, "pinion_arm": (-0.4, 0.0, 0.1)}
-    new = moved(layout, line, bearing_shift=bearing, last_shift=shift, **ride)
-    seen = moved(other, line, bearing_shift=mirror * bearing, last_shift=mirror * shift, **ride)
+    new = layout_after_axle_motion(layout, line, bearing_shift=bearing, last_shift=shift, **ride)
+    seen = layout_after_axle_motion(
+        other, line, bearing_shift=mirror * bearing, last_shift=mirror * shift, **ride
+    )
     same(seen, Layout(points=new.points * mirror, directions=new.directions * mirror))
 
 
 @settings(max_examples=40)
 @given(drawn=lines(), shift=shifts, pitch=slopes)
-def test_two_axles_that_move_alike_carry_a_line_between_them_rigidly(drawn, shift, pitch):
+def test_equal_axle_motions_move_inter_axle_line_rigidly(drawn, shift, pitch):
     """An inter-axle line whose ends ride alike, about one centre: a rigid motion."""
     _, layout = drawn
     layout = Layout(points=layout.points[[0, -1]], directions=layout.directions[[0, 1, -1]])
-    layout = from_points(layout.points, gearbox=layout.directions[0], pinion=layout.directions[-1])
+    layout = layout_from_points(
+        layout.points, gearbox=layout.directions[0], pinion=layout.directions[-1]
+    )
     centre = np.array([0.6, 0.0, 0.5])
-    new = moved(
+    new = layout_after_axle_motion(
         layout,
         Line(shafts=(Shaft(length=1.0),)),
         last_shift=shift,
         pinion_pitch=pitch,
         pinion_arm=layout.points[-1] - centre,
-        first=Ride(shift=shift, pitch=pitch, arm=layout.points[0] - centre),
+        first=AxleMotion(shift=shift, pitch=pitch, joint_offset=layout.points[0] - centre),
     )
     np.testing.assert_allclose(new.lengths, layout.lengths, rtol=1e-13)
     np.testing.assert_allclose(
@@ -126,21 +130,21 @@ def test_two_axles_that_move_alike_carry_a_line_between_them_rigidly(drawn, shif
 
 @settings(max_examples=20)
 @given(drawn=lines(), seed=st.integers(0, 2**32 - 1))
-def test_variants_and_states_at_once_are_each_by_itself(drawn, seed):
+def test_batched_variants_and_states_equal_single_ones(drawn, seed):
     line, layout = drawn
     random, bearings = np.random.default_rng(seed), len(line.shafts) - 1
     bearing = random.uniform(-0.05, 0.05, (3, 1, bearings, 3))
     shift = random.uniform(-0.05, 0.05, (2, 3))
     pitch = random.uniform(-0.1, 0.1, (3, 2))
     arm = (-0.4, 0.0, 0.1)
-    found = moved(
+    found = layout_after_axle_motion(
         layout, line, bearing_shift=bearing, last_shift=shift, pinion_pitch=pitch, pinion_arm=arm
     )
     assert found.points.shape == (3, 2, *layout.points.shape)
     assert found.directions.shape == (3, 2, *layout.directions.shape)
     for v in range(3):
         for s in range(2):
-            alone = moved(
+            alone = layout_after_axle_motion(
                 layout,
                 line,
                 bearing_shift=bearing[v, 0],

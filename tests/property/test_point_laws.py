@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cardan import files
-from cardan.demand.points import curves, demand_at
-from cardan.demand.states import demand, resolve
-from cardan.demand.torque import from_standstill
+from cardan.application import overrides, reader
 from cardan.model.application import Application
+from cardan.physics.vehicle.operating_points import demand_at_operating_points, torque_curves
+from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
+from cardan.physics.vehicle.torque import largest_torque_from_standstill
 
 ROOT = Path(__file__).parents[2]
 PATHS = (*sorted((ROOT / "examples").glob("*.yaml")), ROOT / "tests" / "truck.yaml")
@@ -27,29 +27,30 @@ def application(name: str) -> Application:
     text = text.replace("gearbox:\n", f"gearbox:\n  retarder_torque_Nm: 900\n{reverse}")
     if "  brake_torque_Nm: 14000" not in text:
         text = text.replace("\n  reference: gvw\n", "\n  reference: gvw\n  brake_torque_Nm: 9000\n")
-    return files.loads(text, folder=NAMES[name].parent)
+    return reader.loads(text, folder=NAMES[name].parent)
 
 
-@settings(max_examples=30, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=30)
 @given(name=st.sampled_from(sorted(NAMES)), share=st.lists(shares, min_size=40, max_size=40))
-def test_no_speed_has_more_torque_than_the_corners_beside_it(name, share):
+def test_torque_between_corners_is_bounded_by_corners(name, share):
     """And no less: straight between neighbours, which rounding alone may pass."""
     of = application(name)
     for installed in of.lines:
-        found = curves(demand(resolve(of, installed)))
-        corners = found.corners
+        found = torque_curves(line_state_demand(resolve_line_references(of, installed)))
+        corners = found.corner_speeds
         at_corners = found.torque_at(corners)
         np.testing.assert_array_equal(np.isnan(at_corners), np.isnan(corners))
-        spread = np.array(share).reshape(-1, *(1,) * found.fastest.ndim)
-        speed = spread * found.fastest
+        spread = np.array(share).reshape(-1, *(1,) * found.max_speed.ndim)
+        speed = spread * found.max_speed
         torque = found.torque_at(speed)
-        for case in np.argwhere(~np.isnan(found.fastest)):
+        for case in np.argwhere(~np.isnan(found.max_speed)):
             one = (slice(None), *case)
             known = ~np.isnan(corners[one])
             straight = np.interp(speed[one], corners[one][known], at_corners[one][known])
             np.testing.assert_allclose(torque[one], straight, rtol=1e-12)
         # nanmax of a curve that a state lacks is nan, and says so
-        there = ~np.isnan(found.fastest)
+        there = ~np.isnan(found.max_speed)
         most = np.nanmax(np.abs(at_corners[:, there]), axis=0)
         assert (np.abs(torque[:, there]) <= most * (1 + 1e-12)).all()
 
@@ -60,14 +61,14 @@ curves_of_engines = st.lists(
 
 
 @given(points=curves_of_engines, share=shares)
-def test_from_standstill_is_the_largest_torque_above(points, share):
+def test_from_standstill_is_largest_torque_at_or_above_speed(points, share):
     """By its definition, over a fine grid of engine speeds and the curve's own corners."""
     speed = np.cumsum([s for s, _ in points])
     torque = np.array([t for _, t in points])
     x = share * speed[-1]
     above = np.concatenate([[max(x, speed[0])], speed[speed >= x]])
     expected = np.interp(above, speed, torque).max()
-    assert np.interp(x, *from_standstill(speed, torque)) == pytest.approx(
+    assert np.interp(x, *largest_torque_from_standstill(speed, torque)) == pytest.approx(
         expected, rel=1e-9, abs=1e-9
     )
 
@@ -85,25 +86,26 @@ CHANGES = {
 }  # fmt: skip
 
 
-@settings(max_examples=25, deadline=None)
+@pytest.mark.slow
+@settings(max_examples=25)
 @given(data=st.data())
-def test_points_of_variants_are_those_of_each_alone(data):
+def test_operating_points_of_batched_variants_equal_single_ones(data):
     name = data.draw(st.sampled_from(sorted(CHANGES)))
-    numbers = files.addresses(application(name))
+    numbers = overrides.addresses(application(name))
     some = data.draw(st.lists(st.sampled_from(CHANGES[name]), min_size=1, max_size=3, unique=True))
     by = np.array(data.draw(st.lists(st.floats(0.92, 1.04), min_size=3, max_size=3)))
     changes = {at: numbers[at] * by for at in some}
     share = np.array(data.draw(st.lists(shares, min_size=2, max_size=2)))
 
     def points(changes):
-        of = files.change(application(name), changes)
+        of = overrides.change(application(name), changes)
         for installed in of.lines:
-            asked = demand(resolve(of, installed))
-            found = curves(asked)
+            asked = line_state_demand(resolve_line_references(of, installed))
+            found = torque_curves(asked)
             row = np.arange(len(found.gears)).repeat(share.size)
-            fastest = np.repeat(found.fastest, share.size, axis=0)
+            fastest = np.repeat(found.max_speed, share.size, axis=0)
             speed = np.tile(share, len(found.gears)).reshape(-1, *(1,) * (fastest.ndim - 1))
-            yield demand_at(asked, found, curve=row, speed=speed * fastest)
+            yield demand_at_operating_points(asked, found, curve=row, speed=speed * fastest)
 
     batch = list(points(changes))
     for v in range(by.size):

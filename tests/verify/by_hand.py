@@ -776,6 +776,19 @@ def speed(truck, line, state):
     return output * line.speed_ratio
 
 
+def reached_speed(truck, line, state):
+    """Speed at which whirling is asked, rad/s: what engine and top gear reach, if that is more."""
+    asked = speed(truck, line, state)
+    if not isnan(state.speed) or state.kind == "windup":
+        return asked
+    return max(asked, truck.engine[-1][0] / truck.ratios[-1] * line.speed_ratio)
+
+
+def nearest_to_half(*ratios):
+    """Ratio of a speed to the critical one that is least off its half, 0.42 to 0.58."""
+    return min(ratios, key=lambda of: max((0.42 - of) / 0.42, (of - 0.58) / 0.58))
+
+
 # --------------------------------------------------------------------------- 3  where the axle is
 
 
@@ -1441,6 +1454,7 @@ def one_state(truck, line, state, whirl):
     load = loads_on(truck, line, state)
     torque = torques(truck, line, state, load)
     T, w = torque["torque"], speed(truck, line, state)
+    reached = reached_speed(truck, line, state)
     reference, d_reference = laid_out(line, line.side, line.top)
     if line.name in state.slopes:
         points, d = laid_out(line, *state.slopes[line.name])
@@ -1555,14 +1569,14 @@ def one_state(truck, line, state, whirl):
     )
     for k in range(shafts):
         part = f"shaft {k + 1}"
-        say("critical_speed_ratio", part, w / critical[k])
+        say("critical_speed_ratio", part, reached / critical[k])
         say("tube_shear_utilisation", part,
             tube_shear(line.shafts[k].tube, truck.shock * abs(T)))  # fmt: skip
-    say("critical_speed_ratio", "line", w / whirl[0])
+    say("critical_speed_ratio", "line", reached / whirl[0])
     if max(beta) > 3 * deg:  # the file asks about half the critical speed above 3 deg only
-        for k in range(shafts):
-            say("half_critical_band", f"shaft {k + 1}", w / critical[k])
-        say("half_critical_band", "line", w / whirl[0])
+        for part, of in zip((*(f"shaft {k + 1}" for k in range(shafts)), "line"),
+                            (*critical, whirl[0]), strict=True):  # fmt: skip
+            say("half_critical_band", part, nearest_to_half(w / of, reached / of))
     for (k, name), gap in gaps.items():
         say("clearance", f"shaft {k} to {name}", gap)
     if line.first_on_springs and state.kind in (

@@ -4,8 +4,17 @@ import itertools
 import shutil
 import subprocess
 import time
+from itertools import chain, islice
 
 import numpy as np
+
+from cardan.topics.bracket.calculix_file import (
+    element_lines,
+    material_lines,
+    node_lines,
+    node_set_lines,
+    surface_lines,
+)
 
 # Six-point rule of degree 4 on the triangle (Dunavant 1985).
 _A, _B = 0.445948490915965, 0.091576213509771
@@ -43,18 +52,10 @@ def seat_loads(nodes, *, face="seat"):
 
 def deck(nodes, material, *, held, loads=(), modes=0):
     """An input deck: static steps with nodal loads (n, 3) each, then natural frequencies."""
-    lines = ["*NODE,NSET=NALL"]
-    lines += [f"{k},{x:.12e},{y:.12e},{z:.12e}" for k, (x, y, z) in enumerate(nodes.points, 1)]
-    lines.append("*ELEMENT,TYPE=C3D10,ELSET=EALL")
-    lines += [
-        f"{k}," + ",".join(map(str, e)) for k, e in enumerate((nodes.elements + 1).tolist(), 1)
-    ]
     fixed = np.unique(nodes.faces[np.isin(nodes.face_names, held)]) + 1
-    lines += ["*NSET,NSET=FIX", *(f"{k}," for k in fixed)]
-    lines += [
-        "*MATERIAL,NAME=S", "*ELASTIC", f"{material.youngs_modulus:.12e},{material.poisson}",
-        "*DENSITY", f"{material.density}", "*SOLID SECTION,ELSET=EALL,MATERIAL=S",
-        "*BOUNDARY", "FIX,1,3",
+    lines = [
+        *node_lines(nodes.points), *element_lines(nodes.elements),
+        *node_set_lines("FIX", fixed), *material_lines(material), "*BOUNDARY", "FIX,1,3",
     ]  # fmt: skip
     for load in loads:
         lines += ["*STEP", "*STATIC", "*CLOAD,OP=NEW"]
@@ -66,19 +67,6 @@ def deck(nodes, material, *, held, loads=(), modes=0):
     if modes:
         lines += ["*STEP", "*FREQUENCY", str(modes), "*NODE FILE", "U", "*END STEP"]
     return "\n".join(lines) + "\n"
-
-
-_CORNERS = np.array([(0, 1, 2), (0, 3, 1), (1, 3, 2), (2, 3, 0)])  # of the faces S1 to S4
-
-
-def _faces(nodes, which, *, after=0):
-    """Lines of an element surface: the faces of elements that lie on some surface triangles."""
-    table = {
-        tuple(sorted(corners)): f"{e + 1 + after},S{s + 1}"
-        for s in range(4)
-        for e, corners in enumerate(nodes.elements[:, _CORNERS[s]].tolist())
-    }
-    return [table[tuple(sorted(c))] for c in nodes.faces[which][:, :3].tolist()]
 
 
 def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.15, firm=1.0):
@@ -95,12 +83,8 @@ def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.
     node = np.cumsum([0, *(len(s.points) for s in solids)])
     element = np.cumsum([0, *(len(s.elements) for s in solids)])
     points = np.concatenate([*(s.points for s in solids), *frames])
-    lines = ["*NODE,NSET=NALL"]
-    lines += [f"{k},{x:.10e},{y:.10e},{z:.10e}" for k, (x, y, z) in enumerate(points, 1)]
-    lines.append("*ELEMENT,TYPE=C3D10,ELSET=EALL")
-    every = np.concatenate([s.elements + n + 1 for s, n in zip(solids, node[:-1], strict=True)])
-    lines += [f"{k}," + ",".join(map(str, e)) for k, e in enumerate(every.tolist(), 1)]
-    lines.append("*ELEMENT,TYPE=C3D8,ELSET=EALL")
+    every = np.concatenate([s.elements + n for s, n in zip(solids, node[:-1], strict=True)])
+    lines = [*node_lines(points), *element_lines(every), "*ELEMENT,TYPE=C3D8,ELSET=EALL"]
     for k in range(len(frames)):
         corners = ",".join(str(node[-1] + 8 * k + c) for c in range(1, 9))
         lines.append(f"{element[-1] + k + 1},{corners}")
@@ -108,9 +92,10 @@ def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.
         np.unique(b.faces[b.face_names == "top"]) + n + 1
         for b, n in zip(bolts, node[1:], strict=False)
     ]
-    lines += ["*NSET,NSET=TOPS", *(f"{k}," for k in tops[0])]
-    lines += ["*NSET,NSET=FIX", *(f"{k}," for top in tops for k in top)]
-    lines += [f"{k}," for k in range(node[-1] + 1, len(points) + 1)]
+    lines += node_set_lines("TOPS", tops[0])
+    lines += node_set_lines(
+        "FIX", [*chain.from_iterable(tops), *range(node[-1] + 1, len(points) + 1)]
+    )
     lines += ["*NSET,NSET=BOLTS,GENERATE", f"{node[1] + 1},{node[-1]}"]
     E = material.youngs_modulus
     stiff = 3.3e3 * firm * E  # N/m3: what it lets in is far below what plate and bolts give
@@ -119,15 +104,16 @@ def bolted(plate, bolts, frames, material, *, under, loads, cooling, friction=0.
     lines += [
         "*MATERIAL,NAME=S", "*ELASTIC", f"{E:.12e},{material.poisson}", "*EXPANSION", "1e-5",
         "*SOLID SECTION,ELSET=EALL,MATERIAL=S", "*INITIAL CONDITIONS,TYPE=TEMPERATURE", "NALL,0.",
-        "*SURFACE,NAME=PLATE,TYPE=ELEMENT",
-        *_faces(plate, pressed | (plate.face_names == "mount")),
+        *surface_lines("PLATE", plate, pressed | (plate.face_names == "mount")),
         "*SURFACE,NAME=FRAME,TYPE=ELEMENT",
         *(f"{element[-1] + k + 1},S1" for k in range(len(frames))),
-        "*SURFACE,NAME=UNDER,TYPE=ELEMENT", *_faces(plate, under),
+        *surface_lines("UNDER", plate, under),
         "*SURFACE,NAME=HEADS,TYPE=ELEMENT",
     ]  # fmt: skip
     for bolt, e in zip(bolts, element[1:], strict=False):
-        lines += _faces(bolt, bolt.face_names == "bearing", after=int(e))
+        lines += islice(
+            surface_lines("", bolt, bolt.face_names == "bearing", after=int(e)), 1, None
+        )
     lines += [
         "*SURFACE INTERACTION,NAME=C", "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
         f"{stiff:.4e},1e4,6e-7", "*FRICTION", f"{friction},{stiff / 20:.4e}",
@@ -157,19 +143,13 @@ def pressed(plate, frame, material, *, heads, loads, friction=0.15, firm=5.0):
     names = plate.face_names.astype(str)
     flat = np.char.startswith(names, "bolt") & ~np.char.endswith(names, "wall")
     stiff = 3.3e3 * firm * material.youngs_modulus
-    lines = ["*NODE,NSET=NALL"]
-    lines += [f"{k},{x:.10e},{y:.10e},{z:.10e}" for k, (x, y, z) in enumerate(points, 1)]
-    lines.append("*ELEMENT,TYPE=C3D10,ELSET=EALL")
-    lines += [
-        f"{k}," + ",".join(map(str, c)) for k, c in enumerate((plate.elements + 1).tolist(), 1)
-    ]
-    lines += [
-        "*ELEMENT,TYPE=C3D8,ELSET=EALL",
+    lines = [
+        *node_lines(points), *element_lines(plate.elements), "*ELEMENT,TYPE=C3D8,ELSET=EALL",
         f"{e + 1}," + ",".join(str(n + c) for c in range(1, 9)),
-        "*NSET,NSET=FIX", *(f"{n + c}," for c in range(1, 9)),
+        *node_set_lines("FIX", range(n + 1, n + 9)),
         "*MATERIAL,NAME=S", "*ELASTIC", f"{material.youngs_modulus:.12e},{material.poisson}",
         "*SOLID SECTION,ELSET=EALL,MATERIAL=S",
-        "*SURFACE,NAME=PLATE,TYPE=ELEMENT", *_faces(plate, flat | (names == "mount")),
+        *surface_lines("PLATE", plate, flat | (names == "mount")),
         "*SURFACE,NAME=FRAME,TYPE=ELEMENT", f"{e + 1},S1",
         "*SURFACE INTERACTION,NAME=C", "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
         f"{stiff:.4e},1e4,6e-7", "*FRICTION", f"{friction},{stiff / 20:.4e}",

@@ -15,18 +15,19 @@ from tempfile import TemporaryDirectory
 import calculix
 import numpy as np
 
-from cardan.base.units import mm
-from cardan.bracket.elastic import elastic, mesh
-from cardan.bracket.shape import solid
-from cardan.files.catalogue import find
+from cardan.application.catalogue import find_shipped_part
+from cardan.core.units import mm
 from cardan.model.bracket import UShape
+from cardan.physics.fem.elasticity import assemble_elastic_solid
+from cardan.physics.fem.geometry import build_solid
+from cardan.physics.fem.meshing import mesh
 
 TABLE = Path(__file__).with_suffix(".json")
 SHAPE = UShape(
     seat_diameter=120 * mm, width=64 * mm, thickness=5 * mm, height=120 * mm, flange=50 * mm,
     bend_radius=8 * mm, bolt_diameter=11 * mm, bolt_pitch=36 * mm,
 )  # fmt: skip
-MATERIAL = find("LNE380", "material")
+MATERIAL = find_shipped_part("LNE380", "material")
 GAUGES = {
     "S1": ((14, 65, 60), (0, 0, 1)),
     "S2": ((14, -65, 60), (0, 0, 1)),
@@ -42,9 +43,11 @@ PLANES = 24
 
 def solved(*, size: float, shape: UShape = SHAPE) -> dict:
     """Return the table of a bracket meshed with edges of `size` m."""
-    drawn = solid(shape)
-    held = drawn.held("sliding")
-    nodes = elastic(mesh(drawn.shape, size=size, per_radius=3), MATERIAL, held=held).nodes
+    drawn = build_solid(shape)
+    held = drawn.fixed_faces("sliding")
+    nodes = assemble_elastic_solid(
+        mesh(drawn.shape, size=size, per_radius=3), MATERIAL, held=held
+    ).nodes
     loads = calculix.seat_loads(nodes)[:3]
     deck = calculix.deck(nodes, MATERIAL, held=tuple(held), loads=loads)
     with TemporaryDirectory() as folder:
@@ -54,14 +57,14 @@ def solved(*, size: float, shape: UShape = SHAPE) -> dict:
     E, nu = MATERIAL.youngs_modulus, MATERIAL.poisson
     read = {}
     for name, (at, way) in GAUGES.items():
-        far = np.linalg.norm(nodes.points[nodes.surface] - np.array(at) * mm, axis=-1)
-        tensor = stress[:, nodes.surface[far < 2.5 * mm]].mean(1)
+        far = np.linalg.norm(nodes.points[nodes.surface_nodes] - np.array(at) * mm, axis=-1)
+        tensor = stress[:, nodes.surface_nodes[far < 2.5 * mm]].mean(1)
         along = tensor[:, int(np.argmax(way))]
         read[name] = (((1 + nu) * along - nu * tensor[:, :3].sum(-1)) / E).tolist()
     # Where a bolt's washer ends nothing but a structural stress makes sense.
-    p = nodes.points[nodes.surface]
-    off = np.linalg.norm(p[:, None] - np.array(shape.places), axis=-1).min(-1)
-    clear = nodes.surface[off > shape.bolt_diameter + shape.thickness]
+    p = nodes.points[nodes.surface_nodes]
+    off = np.linalg.norm(p[:, None] - np.array(shape.bolt_positions), axis=-1).min(-1)
+    clear = nodes.surface_nodes[off > shape.bolt_diameter + shape.thickness]
     way = np.linspace(0, np.pi, PLANES, endpoint=False)
     pushed = np.einsum("ka,anc->knc", np.stack([np.cos(way), np.sin(way)], -1), stress[1:, clear])
     worst = np.abs(np.linalg.eigvalsh(tensors(pushed))).max((0, -1))

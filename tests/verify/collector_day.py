@@ -23,9 +23,9 @@ from adversarial import colour, smooth
 from driven_engine import Driven, Driving, Mount, twisting
 from test_rubber_engine import rigid
 
-from cardan import files
-from cardan.demand.states import demand, resolve
-from cardan.quantity.response import respond
+from cardan.application import reader
+from cardan.checks.line_response import compute_line_response
+from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
 
 HERE = Path(__file__).parent
 FOLDER = HERE.parents[1] / "examples" / "refuse-collector"
@@ -189,8 +189,10 @@ def drive(
     """Drive a day with the line as it is in gvw, with all its angles gone, or other rubber."""
     what = orders(day) if what is None else what
     n = what.time.size if seconds is None else int(seconds / STEP) + 1
-    application = files.read(FOLDER / "application.yaml")
-    response = respond(application, demand(resolve(application, application.lines[0])))
+    application = reader.read(FOLDER / "application.yaml")
+    response = compute_line_response(
+        application, line_state_demand(resolve_line_references(application, application.lines[0]))
+    )
     of = response.demand.states.index("gvw")
     points, directions = response.layout.points[of], response.layout.directions[of]
     shafts = response.line.shafts

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-from cardan.base.units import MPa
-from cardan.fatigue.correction import uncorrected
-from cardan.fatigue.rainflow import half_cycles
-from cardan.fatigue.strength import SNCurve
-from cardan.fatigue.usage import Usage, usage
+from cardan.core.units import MPa
+from cardan.physics.fatigue.mean_stress import uncorrected
+from cardan.physics.fatigue.rainflow import half_cycles
+from cardan.physics.fatigue.sn_curve import SNCurve
+from cardan.physics.signals.usage_profile import UsageHistory, usage_histories
 
 CURVE = SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).elementary()
 RATE = 200.0
@@ -148,10 +148,12 @@ ROADS = {
 }
 
 
-def seconds_of(x) -> Usage:
+def seconds_of(x) -> UsageHistory:
     """Return a stress (n,) second by second."""
     pieces = (x[None, k : k + 200_000] for k in range(0, x.size, 200_000))
-    return usage(pieces, rate=RATE, curve=CURVE, correction=uncorrected, rule=half_cycles)[0]
+    return usage_histories(
+        pieces, rate=RATE, curve=CURVE, correction=uncorrected, rule=half_cycles
+    )[0]
 
 
 TRUTH = {

@@ -22,12 +22,13 @@ from adversarial import colour, smooth
 from driven_engine import Driving, Mount, twisting
 from test_rubber_engine import rigid
 
-from cardan import files
-from cardan.demand.states import demand, resolve
-from cardan.fatigue.angle import Angle
-from cardan.fatigue.orders import Rotation
-from cardan.quantity.response import respond
-from cardan.study.identification import Identification, Parameter, identify
+from cardan.application import reader
+from cardan.checks.line_response import compute_line_response
+from cardan.physics.signals.order_tracking import ShaftRotation
+from cardan.physics.signals.shaft_angle import ShaftAngle
+from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
+from cardan.topics.recording.identification_result import IdentificationResult, IdentifiedParameter
+from cardan.topics.recording.parameter_identification import identify_parameters
 
 FILE = Path(__file__).parents[2] / "examples" / "refuse-collector" / "application.yaml"
 rpm = np.pi / 30
@@ -107,8 +108,10 @@ def drive(of: Truck) -> dict[str, np.ndarray]:
         ],
         axis=-1,
     )
-    drawn = files.read(FILE)
-    response = respond(drawn, demand(resolve(drawn, drawn.lines[0])))
+    drawn = reader.read(FILE)
+    response = compute_line_response(
+        drawn, line_state_demand(resolve_line_references(drawn, drawn.lines[0]))
+    )
     at = response.demand.states.index("gvw")
     points = response.layout.points[at] + np.array(of.moved)
     ways = np.diff(points, axis=0)
@@ -142,12 +145,12 @@ def drive(of: Truck) -> dict[str, np.ndarray]:
     }
 
 
-def found(drive: dict[str, np.ndarray]) -> Identification:
+def found(drive: dict[str, np.ndarray]) -> IdentificationResult:
     """Return what the recording of its drive says, held against the file as drawn."""
-    return identify(
-        files.read(FILE), iter([drive["stress"].astype(float)]),
+    return identify_parameters(
+        reader.read(FILE), iter([drive["stress"].astype(float)]),
         rate=1 / STEP, gauges=GAUGES, units=UNITS,
-        angle=Angle(Rotation(drive["time"], drive["turns"]), lag=0.02),
+        angle=ShaftAngle(ShaftRotation(drive["time"], drive["turns"]), lag=0.02),
         torque=(drive["torque"].astype(float), 0.2 / STEP), seconds=float(drive["time"][-1]),
         state="gvw", bearing=2,
     )  # fmt: skip
@@ -166,7 +169,7 @@ def true(of: Truck) -> dict[tuple, tuple[float, float]]:
     return told | {("gain", g): (gain, gain) for g, gain in zip(GAUGES, of.gain, strict=True)}
 
 
-def held(of: Truck, parameters: Iterable[Parameter]) -> Iterator[tuple[str, bool]]:
+def held(of: Truck, parameters: Iterable[IdentifiedParameter]) -> Iterator[tuple[str, bool]]:
     """Yield each number's name, and whether its interval holds what is so."""
     known = true(of)
     for p in parameters:

@@ -133,7 +133,7 @@ class Swinging:
             )
             for k, b in enumerate(shafts, 1)
         ]  # fmt: skip
-        sliding = self._body(d[-2], P[-2], spins[-2], **SMALL)
+        self.sliding = sliding = self._body(d[-2], P[-2], spins[-2], **SMALL)
         wheel = {"mass": WHEEL, "transverse": FLYWHEEL, "polar": FLYWHEEL}
         self.pinion = pinion = self._body(d[-1], P[-1], spins[-1], **wheel)
         ends = self._end(P[0], d[0], tail), self._end(P[-1], d[-1], axle)

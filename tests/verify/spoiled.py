@@ -422,6 +422,45 @@ def bytes_swapped(x, rate, bad, rng):
     return (code.astype(float) - 8000) * lsb + x.min()
 
 
+def frozen(x, rate, bad, rng, *, noise=0.0, bridged=False):
+    """A channel that stands for seconds at a time: as it was, with noise, or bridged by lines."""
+    y, longest = x.copy(), 2 + 4 * bad
+    for a in spans(rng, x.size, int(8 * rate), 3 + int(4 * bad)):
+        part = y[a : a + int(rng.uniform(1, longest) * rate)]
+        end = part[-1] if bridged else part[0]
+        part[:] = np.linspace(part[0], end, part.size) + noise * x.std() * rng.normal(
+            size=part.size
+        )
+    return y
+
+
+def frozen_with_noise(x, rate, bad, rng):
+    return frozen(x, rate, bad, rng, noise=0.005)
+
+
+def bridged(x, rate, bad, rng):
+    return frozen(x, rate, bad, rng, bridged=True)
+
+
+def frozen_at_worst(x, rate, bad, rng):
+    """A contact that a blow opens for a second or more: the worst of all is not there."""
+    y, n = x.copy(), int((1 + 3 * bad) * rate)
+    a = max(int(np.argmax(np.abs(x - np.median(x)))) - n // 2, 0)
+    y[a : a + n] = y[a]
+    return y
+
+
+def frozen_under_load(x, rate, bad, rng):
+    """An amplifier that stands for a while whenever it is loaded."""
+    y, m, n = x.copy(), np.median(x), int((0.2 + bad) * rate)
+    over = np.flatnonzero(np.abs(x - m) > 3 * scale(x))
+    while over.size:
+        a = over[0]
+        y[a : a + n] = y[a]
+        over = over[over > a + n]
+    return y
+
+
 FAULTS = {
     "spikes": spikes, "clipped": clipped, "drift": drifts, "hum": hum,
     "hum on and off": hum_on_and_off, "hum that wanders": hum_wanders,
@@ -434,5 +473,7 @@ FAULTS = {
     "out of order": packets, "packets twice": again, "pairs lost": pairs, "nearest": nearest,
     "generator": generator, "folded tone": folds, "switched": switched, "coarse": coarse,
     "slow amplifier": slow, "slew rate": slews, "debonds": debonds, "recovers": recovers,
-    "bytes swapped": bytes_swapped,
+    "bytes swapped": bytes_swapped, "frozen": frozen, "frozen with noise": frozen_with_noise,
+    "bridged": bridged, "frozen at the worst": frozen_at_worst,
+    "frozen under load": frozen_under_load,
 }  # fmt: skip

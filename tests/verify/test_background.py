@@ -13,9 +13,9 @@ import proving_ground
 import pytest
 from adversarial import colour
 
-from cardan.fatigue.angle import Angle, shaft_angle
-from cardan.fatigue.background import background, modes
-from cardan.fatigue.orders import Rotation
+from cardan.physics.signals.operational_modes import identify_operational_modes, order_free_spectra
+from cardan.physics.signals.order_tracking import ShaftRotation
+from cardan.physics.signals.shaft_angle import ShaftAngle, shaft_angle
 
 RATE = 500.0
 
@@ -37,8 +37,8 @@ def misled(seed):
     true = some_modes(seed)
     one = adversarial.made(seed, modes=true)
     engine = None if one.engine is None else shaft_angle(one.engine, rate=one.rate).rotation
-    told = modes(
-        background(
+    told = identify_operational_modes(
+        order_free_spectra(
             [one.stress[None]], rate=one.rate, seconds=one.stress.size / one.rate,
             angle=shaft_angle(one.speed, rate=one.rate), engine=engine,
             engine_orders=(one.about["order"],),
@@ -64,8 +64,8 @@ def driven(seed):
         engine = shaft_angle(one.data[at("engine")] / 60, rate=one.rate).rotation
     firing = one.about["cylinders"] / 2
     stress = np.where(one.data[:2] < -9000, np.nan, one.data[:2])
-    told = modes(
-        background(
+    told = identify_operational_modes(
+        order_free_spectra(
             [stress], rate=one.rate, seconds=stress.shape[1] / one.rate,
             angle=shaft_angle(one.data[at("speed")] / 60, rate=one.rate), engine=engine,
             engine_orders=(firing, 2 * firing) if one.orders else (2.0, 3.0, 4.0, 6.0),
@@ -96,7 +96,7 @@ def statistics(made, seeds):
 
 
 @pytest.mark.slow
-def test_what_is_told_of_a_dozen_recordings_holds_the_truth():
+def test_modes_of_12_recordings_lie_within_intervals():
     """Of a dozen 90 % intervals four miss once in forty times."""
     frequency, damping, told, wrong = statistics(misled, range(300, 314))
     assert not wrong
@@ -106,7 +106,7 @@ def test_what_is_told_of_a_dozen_recordings_holds_the_truth():
 
 
 @pytest.mark.long
-def test_what_is_told_of_a_hundred_recordings_holds_the_truth():
+def test_modes_of_100_recordings_lie_within_intervals():
     frequency, damping, told, wrong = statistics(misled, range(600, 700))
     assert frequency >= 0.85
     assert damping >= 0.85
@@ -115,7 +115,7 @@ def test_what_is_told_of_a_hundred_recordings_holds_the_truth():
 
 
 @pytest.mark.long
-def test_what_is_told_of_fifty_drives_holds_the_truth():
+def test_modes_of_50_drives_lie_within_intervals():
     """Of 34 told 28 hold it: a bracket shaken from both its ends is more than the model has."""
     frequency, damping, told, wrong = statistics(driven, range(72_000, 72_050))
     assert frequency >= 0.8
@@ -150,22 +150,23 @@ class World:
 
     def told(self, *stress, speed=None, engine=None, orders=()):
         speed = np.full(self.n, self.turns) if speed is None else speed
-        angle = Angle(Rotation(self.t, np.cumsum(speed) / RATE))
-        found = background(
+        angle = ShaftAngle(ShaftRotation(self.t, np.cumsum(speed) / RATE))
+        found = order_free_spectra(
             [np.stack(stress)], rate=RATE, seconds=self.seconds, angle=angle, engine=engine,
             engine_orders=orders,
         )  # fmt: skip
-        return modes(found)
+        return identify_operational_modes(found)
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_noise_has_no_mode(seed):
+def test_noise_gives_no_mode(seed):
     w = World(seed=seed)
     assert not w.told(w.rng.normal(size=w.n))
     assert not w.told(w.road())
 
 
-def test_a_gauge_that_says_nothing_tells_nothing():
+@pytest.mark.slow
+def test_constant_or_missing_gauge_gives_no_mode():
     w = World()
     assert not w.told(np.zeros(w.n))
     assert not w.told(np.full(w.n, np.nan))
@@ -176,7 +177,7 @@ def test_a_gauge_that_says_nothing_tells_nothing():
     assert not w.told(np.where(w.t % 1 < 0.25, np.nan, felt))
 
 
-def test_wheels_that_hop_are_no_bracket():
+def test_wheel_hop_is_not_a_bracket_mode():
     w = World()
     assert not w.told(w.shaken(w.road(), (12.0, 0.1, 1.0)))
 
@@ -184,12 +185,12 @@ def test_wheels_that_hop_are_no_bracket():
 @pytest.mark.parametrize(
     ("hertz", "size", "seed"), [(24.8, 0.3, 0), (29.22, 0.6, 1), (44.9, 0.6, 1), (50.0, 0.5, 0)]
 )
-def test_a_pump_and_the_mains_are_no_mode(hertz, size, seed):
+def test_pump_tone_and_mains_hum_are_not_modes(hertz, size, seed):
     w = World(seed=seed)
     assert not w.told(w.road() + size * np.cos(2 * np.pi * hertz * w.t))
 
 
-def test_an_order_that_nobody_named_is_no_mode():
+def test_engine_order_is_not_a_mode():
     """An engine's order 3 in two gears: it stands where the speed puts it."""
     w = World()
     speed = 20 + 3 * np.sin(2 * np.pi * w.t / 30)
@@ -197,7 +198,8 @@ def test_an_order_that_nobody_named_is_no_mode():
     assert not w.told(w.road() + 0.4 * np.cos(2 * np.pi * 3 * engine), speed=speed)
 
 
-def test_order_2_is_no_mode_and_hides_one():
+@pytest.mark.slow
+def test_order_2_is_not_a_mode_and_can_hide_one():
     """At one speed all day the order stands on the mode: nobody sees its top."""
     w = World(turns=20.0)
     order2 = np.cos(4 * np.pi * 20.0 * w.t)
@@ -205,7 +207,8 @@ def test_order_2_is_no_mode_and_hides_one():
     assert not w.told(w.shaken(w.road() + 0.2 * order2, (40.0, 0.02, 0.5)))
 
 
-def test_the_orders_do_not_move_what_they_pass():
+@pytest.mark.slow
+def test_order_2_passing_through_mode_does_not_bias_it():
     """Order 2 goes through the mode, ten times as loud as what the road makes of it."""
     w = World(seconds=180.0)
     speed = 20 + 8 * np.sin(2 * np.pi * w.t / 40)
@@ -216,17 +219,19 @@ def test_the_orders_do_not_move_what_they_pass():
     assert mode.frequency[2] / mode.frequency[0] < 1.04
 
 
-def test_who_feels_a_mode_is_said_with_its_shape():
+@pytest.mark.slow
+def test_mode_shape_and_participating_gauges_are_reported():
     w = World(seconds=150.0)
     one, other = w.road(), w.road()
     felt = w.shaken(one, (47.0, 0.03, 1.0))
     (mode,) = w.told(0.5 * felt, -felt + 0.02 * other, other)
-    assert mode.felt == (True, True, False)
+    assert mode.felt_by_gauge == (True, True, False)
     assert mode.shape == pytest.approx((-0.5, 1.0, 0.0), abs=0.05)
     assert mode.frequency[0] <= 47.0 <= mode.frequency[2]
 
 
-def test_two_modes_beside_one_another_are_two():
+@pytest.mark.slow
+def test_two_close_modes_are_separated():
     w = World(seconds=240.0)
     told = w.told(w.shaken(w.road(), (46.0, 0.015, 0.8), (54.0, 0.015, 0.8)))
     assert [round(m.frequency[1]) for m in told] == [46, 54]
@@ -234,7 +239,8 @@ def test_two_modes_beside_one_another_are_two():
         assert mode.frequency[0] <= true <= mode.frequency[2]
 
 
-def test_holes_and_quiet_hours_bend_nothing():
+@pytest.mark.slow
+def test_gaps_and_standstill_do_not_bias_mode():
     """A third of the time the truck stands and a gauge hears itself; a tenth is missing."""
     w = World(seconds=180.0)
     stress = w.shaken(w.road(), (48.0, 0.03, 1.0)) * np.where(w.t < 120, 1.0, 0.003)

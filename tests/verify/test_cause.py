@@ -1,46 +1,49 @@
-"""Guilty, innocent or cannot tell: recordings made to mislead, whose truth is known."""
+"""Joints dominate, do not dominate, or undetermined: misleading recordings of known truth."""
 
 import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from adversarial import bracket, colour, made, oscillator
+from adversarial import bracket, colour, made, oscillator, smooth
 from click.testing import CliRunner
 
-from cardan.base.errors import DesignError
 from cardan.cli.life import life as command
-from cardan.fatigue.angle import readings, shaft_angle
-from cardan.fatigue.beside import surely
-from cardan.fatigue.damage import miner
-from cardan.fatigue.evidence import (
-    ALIKE,
-    BORROWED,
-    CANNOT_TELL,
-    DOUBLED,
-    GUILTY,
-    INNOCENT,
-    SCALED,
-    STEADY,
-    TONE,
-    UNHEARD,
-    Evidence,
-    together,
+from cardan.core.errors import DesignError
+from cardan.physics.fatigue.damage import miner_damage
+from cardan.physics.fatigue.rainflow import rainflow
+from cardan.physics.fatigue.sn_curve import SNCurve
+from cardan.physics.signals.attribution_result import (
+    DOUBT_CONSTANT_FREQUENCY,
+    DOUBT_DOUBLE_SPEED,
+    DOUBT_ENGINE_ORDER_OVERLAP,
+    DOUBT_NO_ENGINE_SPEED,
+    DOUBT_NO_RELIABLE_SHAFT_ANGLE,
+    DOUBT_SPEED_OF_OTHER_SHAFT,
+    DOUBT_SPEED_SCALE,
+    DOUBT_TORQUE_INDEPENDENT,
+    JOINTS_DOMINANT,
+    JOINTS_NOT_DOMINANT,
+    UNDETERMINED,
+    JointAttribution,
+    combine_attributions,
 )
-from cardan.fatigue.locked import FOUND
-from cardan.fatigue.orders import Rotation, order_spectrum
-from cardan.fatigue.rainflow import rainflow
-from cardan.fatigue.recording import in_memory
-from cardan.fatigue.response import identified
-from cardan.fatigue.strength import SNCurve
-from cardan.study.campaign import Campaign
-from cardan.study.recording import RecordingStudy
+from cardan.physics.signals.cause_assessment import DOUBT_AT_GAUGE_TEMPLATE
+from cardan.physics.signals.confounders import order_share_not_from_engine
+from cardan.physics.signals.joint_attribution import separate_joint_caused_stress
+from cardan.physics.signals.recording import recording_from_arrays
+from cardan.physics.signals.shaft_angle import shaft_angle, speed_readings
+from cardan.physics.signals.synchronous_fit import MIN_DETECTION_F_STATISTIC
+from cardan.topics.recording.finding_phrases import finding_message
+from cardan.topics.recording.options import AnalysisOptions
+from cardan.topics.recording.shaft_signals import measured_shaft_angle
+from cardan.topics.recording.study import RecordingStudy
 
 CURVE = SNCurve(amplitude=30e6, cycles=2e6, slope=5).modified()
 
 
 def damage(stress):
-    return miner(rainflow(stress), curve=CURVE)
+    return miner_damage(rainflow(stress), curve=CURVE)
 
 
 def asked(case):
@@ -50,7 +53,7 @@ def asked(case):
     engine = None
     if case.engine is not None:
         engine = shaft_angle(case.engine, rate=case.rate).rotation
-    answer = identified(
+    answer = separate_joint_caused_stress(
         stress, rate=case.rate, angle=shaft_angle(case.speed, rate=case.rate, engine=case.engine),
         torque=case.torque, damage=damage, engine=engine,
         engine_orders=(case.about["order"], 2 * case.about["order"]),
@@ -71,50 +74,64 @@ def mode(hertz, damping):
 
 CASES = {
     "a mode at 25 Hz, shaken by the road": (
-        PLAIN | {"guilt": 0.0, "road": 8.0, "modes": mode(25, 0.015)}, INNOCENT,
+        PLAIN | {"guilt": 0.0, "road": 8.0, "modes": mode(25, 0.015)},
+        JOINTS_NOT_DOMINANT,
     ),
     "the same at steady speed": (
-        PLAIN | {"guilt": 0.0, "road": 8.0, "modes": mode(25, 0.015), "kind": "steady"}, INNOCENT,
+        PLAIN | {"guilt": 0.0, "road": 8.0, "modes": mode(25, 0.015), "kind": "steady"},
+        JOINTS_NOT_DOMINANT,
     ),
-    "order 2 passing a mode at 55 Hz": (GUILTY_ONE | {"modes": mode(55, 0.02)}, GUILTY),
+    "order 2 passing a mode at 55 Hz": (GUILTY_ONE | {"modes": mode(55, 0.02)}, JOINTS_DOMINANT),
     "a run-up through a mode at 60 Hz": (
-        GUILTY_ONE | {"modes": mode(60, 0.02), "kind": "run-up"}, GUILTY,
+        GUILTY_ONE | {"modes": mode(60, 0.02), "kind": "run-up"},
+        JOINTS_DOMINANT,
     ),
-    "a speed 1 % off": (GUILTY_ONE | {"ratio_off": 0.01}, GUILTY),
-    "a speed 3 % off": (GUILTY_ONE | {"ratio_off": 0.03}, GUILTY),
-    "a speed of another shaft, twice as fast": (GUILTY_ONE | {"ratio_off": 1.0}, CANNOT_TELL),
-    "a speed of another shaft, half as fast": (GUILTY_ONE | {"ratio_off": -0.5}, CANNOT_TELL),
-    "angles that ride on the springs": (GUILTY_ONE | {"rides": 1.5}, GUILTY),
+    "a speed 1 % off": (GUILTY_ONE | {"ratio_off": 0.01}, JOINTS_DOMINANT),
+    "a speed 3 % off": (GUILTY_ONE | {"ratio_off": 0.03}, JOINTS_DOMINANT),
+    "a speed of another shaft, twice as fast": (GUILTY_ONE | {"ratio_off": 1.0}, UNDETERMINED),
+    "a speed of another shaft, half as fast": (GUILTY_ONE | {"ratio_off": -0.5}, UNDETERMINED),
+    "angles that ride on the springs": (GUILTY_ONE | {"rides": 1.5}, JOINTS_DOMINANT),
     "angles that ride, and a mode passed quickly": (
-        GUILTY_ONE | {"rides": 2.3, "modes": mode(40, 0.02), "fourth": 0.0, "inertia": 0.0,
-                      "seconds": 90.0, "seed": 8}, CANNOT_TELL,
+        GUILTY_ONE
+        | {
+            "rides": 2.3,
+            "modes": mode(40, 0.02),
+            "fourth": 0.0,
+            "inertia": 0.0,
+            "seconds": 90.0,
+            "seed": 8,
+        },
+        UNDETERMINED,
     ),
     "a GPS staircase half a second late": (
-        GUILTY_ONE | {"fault": "staircase", "steps": 1.0, "late": 0.5, "seed": 7}, GUILTY,
+        GUILTY_ONE | {"fault": "staircase", "steps": 1.0, "late": 0.5, "seed": 7},
+        JOINTS_DOMINANT,
     ),
-    "crawling": (GUILTY_ONE | {"kind": "crawl", "road": 1.0, "blows": 0}, GUILTY),
+    "crawling": (GUILTY_ONE | {"kind": "crawl", "road": 1.0, "blows": 0}, JOINTS_DOMINANT),
     "four cylinders in direct gear": (
         PLAIN | {"guilt": 0.0, "kind": "direct", "engine": 25.0, "engine_order": 2.0, "road": 3.0},
-        CANNOT_TELL,
+        UNDETERMINED,
     ),
-}  # fmt: skip
+}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
-def test_cases_that_had_misled(name):
+def test_known_misleading_recordings_get_correct_finding(name):
     how, finding = CASES[name]
     truth, answer = asked(made(how.get("seed", 5), **{k: v for k, v in how.items() if k != "seed"}))
-    low, high = answer.evidence.interval
-    assert answer.evidence.finding == finding
+    low, high = answer.attribution.interval
+    assert answer.attribution.verdict == finding
     assert low <= truth <= high
-    if finding == GUILTY:
-        assert answer.evidence.removed == pytest.approx(truth, abs=0.03)
-    if how["ratio_off"] and finding == GUILTY:
+    if finding == JOINTS_DOMINANT:
+        assert answer.attribution.damage_share == pytest.approx(truth, abs=0.03)
+    if how["ratio_off"] and finding == JOINTS_DOMINANT:
         # A cell of the search is 0.35 turns over the recording: some 1e-4.
-        assert answer.evidence.ratio == pytest.approx(1 / (1 + how["ratio_off"]), abs=2e-4)
+        assert answer.attribution.ratio == pytest.approx(1 / (1 + how["ratio_off"]), abs=2e-4)
 
 
-def test_an_engine_of_which_nothing_is_said_may_have_four_cylinders(tmp_path):
+@pytest.mark.slow
+def test_unspecified_engine_may_have_four_cylinders(tmp_path):
     case = made(5, **CASES["four cylinders in direct gear"][0])
     path = tmp_path / "direct.csv"
     table = [np.arange(case.stress.size) / case.rate, case.stress, 60 * case.speed,
@@ -126,15 +143,19 @@ def test_an_engine_of_which_nothing_is_said_may_have_four_cylinders(tmp_path):
 
     def told(*options):
         out = tmp_path / "out.json"
-        done = CliRunner().invoke(command, [*asks, *options, "--json", str(out)])
+        done = CliRunner().invoke(command, ["--all", *asks, *options, "--json", str(out)])
         assert done.exit_code in (0, 1), done.output
         (gauge,) = json.loads(out.read_text())["gauges"]
         doubts = " ".join(json.loads(out.read_text())["doubts"])
-        return gauge["finding"], [d for d in (ALIKE, STEADY) if str(d) in doubts]
+        return gauge["finding"], [
+            d
+            for d in (DOUBT_ENGINE_ORDER_OVERLAP, DOUBT_TORQUE_INDEPENDENT)
+            if str(finding_message(d)) in doubts
+        ]
 
-    assert told() == (CANNOT_TELL, [ALIKE])
+    assert told() == (UNDETERMINED, [DOUBT_ENGINE_ORDER_OVERLAP])
     # Six cylinders have nothing at order 2; but this does not turn its sign with the torque.
-    assert told("--engine-orders", "3,6") == (CANNOT_TELL, [STEADY])
+    assert told("--engine-orders", "3,6") == (UNDETERMINED, [DOUBT_TORQUE_INDEPENDENT])
 
 
 def stop_and_go(seed, *, engine, joints, starts=3, seconds=70.0, rate=400.0):
@@ -152,20 +173,21 @@ def stop_and_go(seed, *, engine, joints, starts=3, seconds=70.0, rate=400.0):
     road = colour(rng, speed.size, rate, low=0.8, high=150, slope=0.7) * np.sqrt(speed / 20)
     stress = joints * pull * np.cos(twice + 1) + 3 * road
     stress += engine * (0.35 + 0.65 * np.abs(pull)) * np.cos(twice + taken) * (speed > 15)
-    return identified(
+    return separate_joint_caused_stress(
         1e6 * stress, rate=rate, angle=shaft_angle(speed, rate=rate), torque=1500 * pull,
         damage=damage, engine_orders=(3.0, 6.0, 2.0),
-    ).evidence  # fmt: skip
+    ).attribution  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
-def test_a_few_spells_of_an_engine_that_nobody_heard_convict_nobody(seed):
+def test_few_spells_of_unknown_engine_give_undetermined(seed):
     """Of 12 gauges all were convicted: some ratio of the speed makes three spells agree."""
     found = stop_and_go(seed, engine=12.0, joints=0.0)
-    assert found.finding == CANNOT_TELL
-    assert found.strength < FOUND or UNHEARD in found.doubts
+    assert found.verdict == UNDETERMINED
+    assert found.f_statistic < MIN_DETECTION_F_STATISTIC or DOUBT_NO_ENGINE_SPEED in found.doubts
     # What the joints do agrees at the ratio that the speed has, far better than by chance.
-    assert stop_and_go(seed, engine=0.0, joints=12.0).finding == GUILTY
+    assert stop_and_go(seed, engine=0.0, joints=12.0).verdict == JOINTS_DOMINANT
 
 
 def spells_of(angles, *, at, extent, steps=20):
@@ -189,7 +211,7 @@ def spells_of(angles, *, at, extent, steps=20):
 @pytest.mark.slow
 @pytest.mark.parametrize("spells", [2, 3, 5, 8])
 @pytest.mark.parametrize("extent", [0.02, 0.05])
-def test_the_best_of_many_ratios_makes_no_shaft_of_an_engine(spells, extent):
+def test_best_fitting_speed_ratio_does_not_attribute_engine_to_shaft(spells, extent):
     """Of 126 innocent gauges eleven were convicted: few spells always agree at some ratio.
 
     Derived: angles by chance, and the ratio of the speed that suits them best.
@@ -199,21 +221,28 @@ def test_the_best_of_many_ratios_makes_no_shaft_of_an_engine(spells, extent):
         at = (np.arange(spells) + rng.uniform(0.2, 0.8, spells)) / spells
         may, own, y, turns, best = spells_of(rng.uniform(0, 6.3, spells), at=at, extent=extent)
         stretch = np.zeros(may.size, int)
-        shares.append(surely(may, own, y, stretch=stretch, turns=best, given=turns).min())
+        shares.append(
+            order_share_not_from_engine(may, own, y, stretch=stretch, turns=best, given=turns).min()
+        )
     # A tenth of an order's swing is two fifths of its damage, at a slope of 5.
     assert np.mean(np.array(shares) > 0.1) <= 0.01
 
 
-def test_spells_that_agree_are_the_shaft_s_within_one_stretch_of_the_angle():
+def test_consistent_spells_within_one_stretch_belong_to_shaft():
     """Derived: twelve of angles within 0.1 rad have all but their scatter in common."""
     angles = 0.1 * np.random.default_rng(1).normal(size=12)
     may, own, y, turns, best = spells_of(angles, at=(np.arange(12) + 0.5) / 12, extent=0.03)
     one, each = np.zeros(may.size, int), np.arange(may.size) // 21
-    assert surely(may, own, y, stretch=one, turns=best, given=turns).min() > 0.9
-    assert surely(may, own, y, stretch=each, turns=best, given=turns).min() == 0.0
+    assert (
+        order_share_not_from_engine(may, own, y, stretch=one, turns=best, given=turns).min() > 0.9
+    )
+    assert (
+        order_share_not_from_engine(may, own, y, stretch=each, turns=best, given=turns).min() == 0.0
+    )
 
 
-def test_a_speed_is_that_of_all_gauges():
+@pytest.mark.slow
+def test_shaft_speed_uses_all_gauges():
     """S2 was acquitted (true 0.99) beside S1 that said that the shaft turns twice as fast.
 
     S3 feels once a turn what goes with the torque: by half the speed that is order 2.
@@ -225,39 +254,41 @@ def test_a_speed_is_that_of_all_gauges():
 
     def told(speed, *gauges):
         data = np.stack([case.stress, road, once, speed, case.torque])
-        recording = in_memory(
+        recording = recording_from_arrays(
             data, rate=case.rate, names=["S1", "S2", "S3", "v", "T"],
             units=["MPa", "MPa", "MPa", "rpm", "Nm"],
         )  # fmt: skip
-        campaign = Campaign(sn="30,2e6,5", gauges=gauges, speed="v", torque="T")
+        campaign = AnalysisOptions(sn="30,2e6,5", gauges=gauges, speed="v", torque="T")
         heard = RecordingStudy(campaign).run(recording).answer.causes
-        return heard.evidence[-1], " ".join(map(str, heard.doubts))
+        return heard.joint_attributions[-1], heard.doubts
 
     found, doubts = told(60 * case.speed, "S1", "S2")
-    assert found.finding == INNOCENT
-    assert f"S2: {DOUBLED}" not in doubts
+    assert found.verdict == JOINTS_NOT_DOMINANT
+    of_s2 = DOUBT_AT_GAUGE_TEMPLATE.with_values(gauge="S2", doubt=DOUBT_DOUBLE_SPEED)
+    assert of_s2 not in doubts
     found, doubts = told(30 * case.speed, "S1", "S2")
-    assert found.finding == CANNOT_TELL
+    assert found.verdict == UNDETERMINED
     assert found.interval[1] == 1
-    assert DOUBLED in found.doubts
-    assert f"S2: {DOUBLED}" in doubts
-    assert told(30 * case.speed, "S3")[0].finding == GUILTY
-    assert told(30 * case.speed, "S1", "S3")[0].finding == CANNOT_TELL
+    assert DOUBT_DOUBLE_SPEED in found.doubts
+    assert of_s2 in doubts
+    assert told(30 * case.speed, "S3")[0].verdict == JOINTS_DOMINANT
+    assert told(30 * case.speed, "S1", "S3")[0].verdict == UNDETERMINED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [913_082, 913_175, 913_004])
-def test_what_is_taken_off_is_what_is_said_to_go(seed):
+def test_removed_damage_equals_reported_removed_share(seed):
     """Guilty of 100 % by what follows order 2, unlocked: the table of causes gave joints 0 %."""
     case = made(seed)
     truth, answer = asked(case)
     stress = 1e6 * case.stress
     gone = 1 - damage(stress - answer.stress) / damage(stress)
-    assert (answer.evidence.finding == GUILTY) == (truth > 0.5)
-    assert max(gone, 0.0) == pytest.approx(answer.evidence.removed, abs=1e-3)
+    assert (answer.attribution.verdict == JOINTS_DOMINANT) == (truth > 0.5)
+    assert max(gone, 0.0) == pytest.approx(answer.attribution.damage_share, abs=1e-3)
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_a_road_that_is_not_heard_standing_does_not_follow_the_shaft(seed):
+def test_road_not_recorded_at_rest_is_not_attributed_to_shaft(seed):
     """Of 60 gauges one was convicted of a crawl's road: when it stood, its engine idled.
 
     Derived: a hop of 12 Hz while it rolls, whatever the speed; at rest 21.7 Hz of an idle.
@@ -269,15 +300,16 @@ def test_a_road_that_is_not_heard_standing_does_not_follow_the_shaft(seed):
     hop = oscillator(rng.normal(size=n), hertz=12.0, damping=0.1, rate=rate)
     idle = np.cos(2 * np.pi * 21.7 * t + 0.1 * np.cumsum(rng.normal(size=n)))
     stress = 20 * hop / hop.std() * rolls + 3 * idle * ~rolls + 0.1 * rng.normal(size=n)
-    found = identified(
+    found = separate_joint_caused_stress(
         1e6 * stress, rate=rate, angle=shaft_angle(speed, rate=rate), torque=1500.0 * rolls,
         damage=damage, engine_orders=(3.0, 6.0),
-    ).evidence  # fmt: skip
-    assert found.finding != GUILTY
+    ).attribution  # fmt: skip
+    assert found.verdict != JOINTS_DOMINANT
     assert found.interval[0] <= 0
 
 
-def test_an_angle_not_to_trust_acquits_nobody():
+@pytest.mark.slow
+def test_untrusted_angle_still_finds_joints_dominant_by_frequency():
     """A staircase once a second and no engine: phases slip, and that is no innocence.
 
     What follows the shaft below any engine's idle speed convicts them, by its frequency alone.
@@ -287,17 +319,17 @@ def test_an_angle_not_to_trust_acquits_nobody():
     })  # fmt: skip
     truth, answer = asked(case)
     assert truth > 0.9
-    low, high = answer.evidence.interval
+    low, high = answer.attribution.interval
     assert low <= truth <= high
-    assert answer.evidence.removed > 0.85
-    assert answer.evidence.finding == GUILTY
-    assert "no angle to trust" in str(answer.evidence.doubts[0])
+    assert answer.attribution.damage_share > 0.85
+    assert answer.attribution.verdict == JOINTS_DOMINANT
+    assert answer.attribution.doubts[0] == DOUBT_NO_RELIABLE_SHAFT_ANGLE
 
 
-def test_the_bracket_s_mode_comes_back():
+def test_bracket_mode_is_identified():
     case = made(5, **GUILTY_ONE | {"modes": mode(55, 0.02)})
     _, answer = asked(case)
-    hertz, damping = answer.evidence.modes[0]
+    hertz, damping = answer.attribution.modes[0]
     assert hertz == pytest.approx(55, rel=0.02)
     assert damping == pytest.approx(0.02, rel=0.3)
     off = answer.stress / 1e6 - case.joints
@@ -315,48 +347,54 @@ def late(seed, seconds, **about):
 LAGS = np.random.default_rng(11).uniform(-0.1, 0.1, 12)
 
 
-def test_a_lag_lies_within_its_interval():
+@pytest.mark.slow
+def test_lag_lies_within_its_interval():
     """Nine times in ten: four or more of twelve lie outside once in 38 times, if that holds."""
     rng, inside, wide = np.random.default_rng(12), 0, []
     for k, seconds in enumerate(np.where(LAGS < -0.05, 0.0, LAGS)):
         modes = mode(float(rng.uniform(20, 70)), float(rng.choice([0.015, 0.05, 0.12])))
         _, answer = asked(late(5100 + k, seconds, kind=("mixed", "run-up")[k % 2], modes=modes))
-        low, high = answer.evidence.lags
+        low, high = answer.attribution.lag_interval
         inside += low <= seconds <= high
         wide.append(high - low)
-        assert low <= answer.evidence.lag <= high
+        assert low <= answer.attribution.lag <= high
     assert inside >= 9
     assert np.median(wide) < 0.02
 
 
-def test_a_lag_that_a_mode_looks_like_is_no_lag():
+@pytest.mark.slow
+def test_lag_imitated_by_mode_is_not_reported():
     """49 ms had been told of none, for a mode that order 2 passed; 40 ms of another."""
     for seed, kind, hertz, damping in ((7022, "mixed", 29.0, 0.03), (5203, "direct", 66.0, 0.015)):
         case = made(seed, **GUILTY_ONE | {"kind": kind, "modes": mode(hertz, damping)})
-        evidence = asked(case)[1].evidence
-        low, high = evidence.lags
+        evidence = asked(case)[1].attribution
+        low, high = evidence.lag_interval
         assert low <= evidence.lag == 0 <= high
         assert high - low < 0.07
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("road", [1.0, 3.0])
-def test_a_blow_at_order_2_convicts_nobody(road):
+def test_impact_at_order_2_is_not_attributed_to_joints(road):
     """One pothole at the frequency of order 2 did all: at least 58 % were theirs, it had said."""
     case = made(7033, **PLAIN | {"guilt": 0.2, "road": road, "kind": "mixed"})
     truth, answer = asked(case)
-    low, high = answer.evidence.interval
+    low, high = answer.attribution.interval
     assert truth < 0.01
-    assert answer.evidence.removed == pytest.approx(truth, abs=0.04)
+    assert answer.attribution.damage_share == pytest.approx(truth, abs=0.04)
     assert low <= 0.04
     assert truth <= high
 
 
 TORQUE_LAWS = {
-    "a bent flange, the same under any torque": (lambda t: np.ones_like(t), CANNOT_TELL),
-    "the shaft's speed squared, whatever the torque": (None, CANNOT_TELL),
-    "less of it the more torque there is": (lambda t: np.clip(2 - np.abs(t), 0, None), CANNOT_TELL),
-    "proportional to the torque": (lambda t: t, GUILTY),
-    "rubber that yields ever less": (lambda t: np.tanh(2 * t), GUILTY),
+    "a bent flange, the same under any torque": (lambda t: np.ones_like(t), UNDETERMINED),
+    "the shaft's speed squared, whatever the torque": (None, UNDETERMINED),
+    "less of it the more torque there is": (
+        lambda t: np.clip(2 - np.abs(t), 0, None),
+        UNDETERMINED,
+    ),
+    "proportional to the torque": (lambda t: t, JOINTS_DOMINANT),
+    "rubber that yields ever less": (lambda t: np.tanh(2 * t), JOINTS_DOMINANT),
 }
 
 
@@ -364,7 +402,7 @@ TORQUE_LAWS = {
 @pytest.mark.parametrize("name", TORQUE_LAWS)
 @pytest.mark.parametrize("modes", [[], mode(35, 0.05)], ids=["rigid", "mode"])
 @pytest.mark.parametrize("coasting", [True, False], ids=["coasting", "pulling"])
-def test_an_order_2_that_knows_no_torque_convicts_nobody(name, modes, coasting):
+def test_order_2_independent_of_torque_is_not_attributed_to_joints(name, modes, coasting):
     """A gain that wanders from block to block had taken the torque out of it again."""
     law, finding = TORQUE_LAWS[name]
     case = made(
@@ -377,19 +415,20 @@ def test_an_order_2_that_knows_no_torque_convicts_nobody(name, modes, coasting):
     wave = bracket(size * np.cos(4 * np.pi * case.turns), modes, case.rate)
     case.stress += 25 * wave / np.sqrt(2 * np.mean(wave**2))
     _, answer = asked(case)
-    assert answer.evidence.finding == finding
-    assert (STEADY in answer.evidence.doubts) == (finding == CANNOT_TELL)
-    if finding == CANNOT_TELL:
-        assert answer.evidence.interval[0] <= 0  # the joints' own share
+    assert answer.attribution.verdict == finding
+    assert (DOUBT_TORQUE_INDEPENDENT in answer.attribution.doubts) == (finding == UNDETERMINED)
+    if finding == UNDETERMINED:
+        assert answer.attribution.interval[0] <= 0  # the joints' own share
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("off", [0.12, -0.1, -0.2, 0.25])
-def test_a_speed_of_wrong_teeth_tells_nothing(off):
+def test_speed_with_wrong_tooth_count_gives_undetermined(off):
     """Far enough off, order 2 is found at no order of it, and had acquitted."""
     truth, answer = asked(made(5, **GUILTY_ONE | {"ratio_off": off}))
-    low, high = answer.evidence.interval
-    assert answer.evidence.finding == CANNOT_TELL
-    assert SCALED in answer.evidence.doubts
+    low, high = answer.attribution.interval
+    assert answer.attribution.verdict == UNDETERMINED
+    assert DOUBT_SPEED_SCALE in answer.attribution.doubts
     assert low <= truth <= high + 0.05
 
 
@@ -403,24 +442,24 @@ def wobbling(kind, noise=0.0):
     return case
 
 
-def test_a_tone_wheels_wobble_convicts_nobody():
+def test_tone_wheel_wobble_is_not_attributed_to_joints():
     """Through it a mode near order 3 had made order 3 of order 2: guilty, 0.63 at least of 0.06."""
     truth, answer = asked(wobbling("steady"))
-    low, high = answer.evidence.interval
+    low, high = answer.attribution.interval
     assert truth < 0.1
     assert low <= truth <= high
-    assert answer.evidence.finding != GUILTY
+    assert answer.attribution.verdict != JOINTS_DOMINANT
 
 
-def test_a_speeds_noise_adds_up_to_no_angle():
+def test_speed_noise_does_not_accumulate_in_angle():
     """Of five readings one had counted: F was 30, and is some 600 as of a clean speed."""
     truth, answer = asked(wobbling("mixed", noise=5.0))
-    assert answer.evidence.strength > 300
-    assert answer.evidence.interval[0] <= truth <= answer.evidence.interval[1]
-    assert answer.evidence.finding == INNOCENT
+    assert answer.attribution.f_statistic > 300
+    assert answer.attribution.interval[0] <= truth <= answer.attribution.interval[1]
+    assert answer.attribution.verdict == JOINTS_NOT_DOMINANT
 
 
-def test_all_readings_of_a_speed_count():
+def test_all_speed_readings_count_in_angle():
     """A minute of 20 turns/s that scatter by 0.5: a hundredth is what rounding its ends leaves."""
     rate, n = 500.0, 30_000
     speed = 20 + 0.5 * np.random.default_rng(1).normal(size=n)
@@ -429,7 +468,7 @@ def test_all_readings_of_a_speed_count():
 
 
 @pytest.mark.parametrize("changes", [False, True])
-def test_a_tone_at_steady_speed_and_torque_is_anybodys(changes):
+def test_tone_at_steady_speed_and_torque_gives_undetermined(changes):
     """Guilty, F 763,293, of a pump's 40.02 Hz beside a shaft at 1200 rpm: nothing tells which."""
     rate, n = 500.0, 30_000
     rng = np.random.default_rng(0)
@@ -437,12 +476,12 @@ def test_a_tone_at_steady_speed_and_torque_is_anybodys(changes):
     speed = 20 * (1 + changes * 0.03 * np.sin(0.3 * time)) + 1e-3 * rng.normal(size=n)
     turns = np.cumsum(speed) / rate
     tone = np.cos(4 * np.pi * turns) if changes else np.cos(2 * np.pi * 40.02 * time)
-    found = identified(
+    found = separate_joint_caused_stress(
         1e6 * (40 * tone + rng.normal(size=n)), rate=rate, angle=shaft_angle(speed, rate=rate),
         torque=np.full(n, 1000.0), damage=damage, engine_orders=(3.0, 6.0),
-    ).evidence  # fmt: skip
+    ).attribution  # fmt: skip
     # Where the speed changes a tone of fixed frequency is none of the shaft's.
-    assert (TONE in found.doubts) != changes
+    assert (DOUBT_CONSTANT_FREQUENCY in found.doubts) != changes
     assert (found.interval[0] <= 0) != changes
 
 
@@ -454,20 +493,21 @@ def beside_order_2(seed, *, at, by_torque, size=8.0, guilt=0.0):
     return case
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("by_torque", [False, True])
 @pytest.mark.parametrize("seed", [6, 8])
-def test_what_turns_beside_order_2_convicts_nobody(seed, by_torque):
+def test_tone_near_order_2_is_not_attributed_to_joints(seed, by_torque):
     """A tyre's or a pump's 1.8 comes and goes with the shaft as order 2 does, and is none of it."""
     _, answer = asked(beside_order_2(seed, at=1.8, by_torque=by_torque))
-    assert answer.evidence.finding == CANNOT_TELL
-    assert SCALED in answer.evidence.doubts
+    assert answer.attribution.verdict == UNDETERMINED
+    assert DOUBT_SPEED_SCALE in answer.attribution.doubts
 
 
-def test_nor_is_it_added_to_what_is_theirs():
+def test_tone_near_order_2_is_not_added_to_joint_share():
     _, answer = asked(beside_order_2(5, at=1.8, by_torque=True, size=10.0, guilt=0.2))
-    assert answer.evidence.strength > FOUND
-    assert answer.evidence.interval[0] < 0.3
-    assert SCALED in answer.evidence.doubts
+    assert answer.attribution.f_statistic > MIN_DETECTION_F_STATISTIC
+    assert answer.attribution.interval[0] < 0.3
+    assert DOUBT_SPEED_SCALE in answer.attribution.doubts
 
 
 def lugs(seed, *, order, axle, direct):
@@ -479,66 +519,150 @@ def lugs(seed, *, order, axle, direct):
     angle = shaft_angle(case.speed, rate=case.rate)
     engine = angle.rotation.geared(1.0 if direct else 1.37)
     stress = case.stress * 1e6
-    return identified(
+    return separate_joint_caused_stress(
         stress, rate=case.rate, angle=angle, torque=case.torque, damage=damage, engine=engine,
         engine_orders=(3.0, 6.0), wheel=angle.rotation.geared(1 / axle) if axle else None,
-    ).evidence  # fmt: skip
+    ).attribution  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("order", "axle", "direct", "finding"),
-    [(18 / 9.067, 9.067, False, CANNOT_TELL), (18 / 9.067, None, True, CANNOT_TELL),
-     (2.0, 9.0, False, CANNOT_TELL), (18 / 9.067, 9.3, False, GUILTY), (2.0, 4.5, True, GUILTY)],
-    ids=["at a wheel's whole order", "in direct gear", "at the shaft's own",
-         "where nothing says so", "of too few lugs"],
-)  # fmt: skip
-def test_a_speed_that_is_right_lends_no_order_2(order, axle, direct, finding):
+    [
+        (18 / 9.067, 9.067, False, UNDETERMINED),
+        (18 / 9.067, None, True, UNDETERMINED),
+        (2.0, 9.0, False, UNDETERMINED),
+        (18 / 9.067, 9.3, False, JOINTS_DOMINANT),
+        (2.0, 4.5, True, JOINTS_DOMINANT),
+    ],
+    ids=[
+        "at a wheel's whole order",
+        "in direct gear",
+        "at the shaft's own",
+        "where nothing says so",
+        "of too few lugs",
+    ],
+)
+def test_tyre_lug_order_near_order_2_gives_undetermined(order, axle, direct, finding):
     """Of 58 gauges beside lugged tyres most were called guilty, at a speed 0.7 % off its own."""
     found = lugs(8, order=order, axle=axle, direct=direct)
-    assert found.finding == finding
-    assert (BORROWED in found.doubts) == (finding == CANNOT_TELL)
+    assert found.verdict == finding
+    assert (DOUBT_SPEED_OF_OTHER_SHAFT in found.doubts) == (finding == UNDETERMINED)
 
 
-def test_a_motor_that_turns_twice_as_fast_is_asked_though_its_maker_names_no_order_1():
+def test_motor_at_twice_shaft_speed_gives_undetermined():
     """Of 24 gauges beside such a motor 21 were called guilty of what its rotor did."""
     case = made(8, **PLAIN | {"guilt": 1.5, "road": 2.0, "blows": 0, "engine": 0.0})
     angle = shaft_angle(case.speed, rate=case.rate)
-    for times, finding in ((2.0, CANNOT_TELL), (3.0, GUILTY)):
-        found = identified(
+    for times, finding in ((2.0, UNDETERMINED), (3.0, JOINTS_DOMINANT)):
+        found = separate_joint_caused_stress(
             case.stress * 1e6, rate=case.rate, angle=angle, torque=case.torque, damage=damage,
             engine=angle.rotation.geared(times), engine_orders=(8.0, 24.0),
-        ).evidence  # fmt: skip
-        assert found.finding == finding
-        assert (ALIKE in found.doubts) == (finding == CANNOT_TELL)
+        ).attribution  # fmt: skip
+        assert found.verdict == finding
+        assert (DOUBT_ENGINE_ORDER_OVERLAP in found.doubts) == (finding == UNDETERMINED)
 
 
-def test_what_is_the_same_under_any_torque_is_no_other_shaft_s_order_2():
+def gears_in_turn(*, joints, engine, share, pull, offset, phase, mode, blocks=2, seed=210):
+    """Steady driving in an indirect gear, and for a share of it in direct gear: truth, answer.
+
+    In direct gear order 2 of a four-cylinder engine is the shaft's order 2, at one angle to it.
+    The engine's part of the torque is `offset` without any, the joints' goes with the torque.
+    """
+    rate, seconds = 400.0, 100.0
+    rng, n = np.random.default_rng(seed), int(rate * seconds)
+    t = np.arange(n) / rate
+    direct = ((t / seconds * blocks) % 1) >= 1 - share
+    speed = np.clip(20 + smooth(rng.normal(size=n), int(3 * rate)) * 40, 12, 30)
+    motor = speed * smooth(np.where(direct, 1.0, 1.37), int(0.3 * rate))
+    torque = smooth(np.where(direct, pull, 1.0), int(0.5 * rate))
+    torque *= 1 + 0.25 * smooth(rng.normal(size=n), int(2 * rate)) * 25
+    turns, motor_turns = np.cumsum(speed) / rate, np.cumsum(motor) / rate
+    theirs = bracket(joints * torque * np.cos(4 * np.pi * turns + 1), mode, rate)
+    force = (
+        engine * (offset + (1 - offset) * np.abs(torque)) * np.cos(4 * np.pi * motor_turns + phase)
+    )
+    road = 2 * colour(rng, n, rate, low=0.8, high=150, slope=0.7) * np.sqrt(speed / 20)
+    stress = 1e6 * (theirs + bracket(force, mode, rate) + bracket(road, mode, rate))
+    found = separate_joint_caused_stress(
+        stress, rate=rate, angle=shaft_angle(speed, rate=rate, engine=motor),
+        torque=1500 * torque, damage=damage, engine=shaft_angle(motor, rate=rate).rotation,
+        engine_orders=(2.0, 4.0),
+    ).attribution  # fmt: skip
+    return 1 - damage(stress - 1e6 * theirs) / damage(stress), found
+
+
+def soft(hertz):
+    return [{"hertz": hertz, "damping": 0.02, "share": 0.7}]
+
+
+BESIDE_ENGINE = {
+    "45 % of the joints, told as 99 % before": (
+        {"joints": 15.6, "engine": 19.3, "share": 0.42, "pull": 0.7574, "offset": 0.7,
+         "phase": 0.8426, "mode": soft(39.61335484340909)},
+        0.45, UNDETERMINED,
+    ),
+    "an engine that works against the joints": (
+        {"joints": 18.065720048684, "engine": 28.428092212016583, "share": 0.3082408520775228,
+         "pull": 1.09796480698504, "offset": 0.0, "phase": 3.2115525870322363,
+         "mode": soft(44.610014650235556), "seed": 14},
+        -0.03, UNDETERMINED,
+    ),
+    "joints alone": (
+        {"joints": 25.0, "engine": 0.0, "share": 0.42, "pull": 0.76, "offset": 0.7, "phase": 0.8,
+         "mode": soft(39.6)},
+        1.0, JOINTS_DOMINANT,
+    ),
+    "a weak engine beside strong joints": (
+        {"joints": 25.0, "engine": 4.0, "share": 0.3, "pull": 0.76, "offset": 0.3, "phase": 0.8,
+         "mode": []},
+        1.0, JOINTS_DOMINANT,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BESIDE_ENGINE)
+def test_engine_order_on_order_2_for_part_of_drive_is_not_attributed_to_joints(name):
+    how, share, finding = BESIDE_ENGINE[name]
+    truth, found = gears_in_turn(**how)
+    assert truth == pytest.approx(share, abs=0.05)
+    assert found.verdict == finding
+    assert DOUBT_ENGINE_ORDER_OVERLAP in found.doubts
+    # Near a mode an engine that works against them can hide more than any interval holds.
+    assert found.interval[1] >= truth
+    assert found.interval[0] <= (0.5 if finding == UNDETERMINED else truth)
+
+
+@pytest.mark.slow
+def test_torque_dependent_tone_off_order_2_raises_speed_scale_doubt():
     _, answer = asked(beside_order_2(10, at=2.35, by_torque=False, size=11.0))
-    assert answer.evidence.finding == INNOCENT
+    assert answer.attribution.verdict == JOINTS_NOT_DOMINANT
     _, answer = asked(beside_order_2(10, at=2.35, by_torque=True, size=11.0))
-    assert answer.evidence.finding == CANNOT_TELL
-    assert SCALED in answer.evidence.doubts
+    assert answer.attribution.verdict == UNDETERMINED
+    assert DOUBT_SPEED_SCALE in answer.attribution.doubts
 
 
-def test_another_gauge_changes_nothing():
+@pytest.mark.slow
+def test_additional_gauge_does_not_change_result():
     """A second, noisy gauge listed beside S1 had changed S1's share."""
     case = made(5, **PLAIN | {"guilt": 0.5, "seconds": 60.0})
     noise = 60 * np.random.default_rng(0).normal(size=case.stress.size)
     channels = [case.stress, noise, case.speed * 60, case.torque / 1e3]
     told = []
     for gauges in (("S1",), ("S1", "S2")):
-        recording = in_memory(
+        recording = recording_from_arrays(
             np.stack(channels), rate=case.rate, names=["S1", "S2", "speed", "torque"],
             units=["MPa", "MPa", "rpm", "kNm"],
         )  # fmt: skip
-        from cardan.study.recording import RecordingStudy
+        from cardan.topics.recording.study import RecordingStudy
 
-        campaign = Campaign(
+        campaign = AnalysisOptions(
             sn="30,2e6,5", gauges=gauges, speed="speed", torque="torque", mask=(),
             between_samples="no",
         )  # fmt: skip
         causes = RecordingStudy(campaign).run(recording).answer.causes
-        told.append((causes.evidence[0], causes.attributions[0].damage))
+        told.append((causes.joint_attributions[0], causes.attributions[0].damage_by_coalition))
     (one, alone), (other, beside) = told
     assert one == other
     np.testing.assert_allclose(beside[-1], alone[-1], rtol=1e-9)
@@ -550,20 +674,24 @@ SEEDS = range(7001, 7013)
 def statistics(seeds):
     """Share inside, wrong ones, clear ones told."""
     rows = [(seed, *asked(made(seed))) for seed in seeds]
-    inside = [t for _, t, a in rows if a.evidence.interval[0] <= t <= a.evidence.interval[1]]
+    inside = [t for _, t, a in rows if a.attribution.interval[0] <= t <= a.attribution.interval[1]]
     wrong = [
-        (seed, t, a.evidence)
+        (seed, t, a.attribution)
         for seed, t, a in rows
-        if (a.evidence.finding == GUILTY and t < 0.25)
-        or (a.evidence.finding == INNOCENT and t >= 0.5)
+        if (a.attribution.verdict == JOINTS_DOMINANT and t < 0.25)
+        or (a.attribution.verdict == JOINTS_NOT_DOMINANT and t >= 0.5)
     ]
     clear = [(t, a) for _, t, a in rows if t <= 0.1 or t >= 0.6]
-    told = [a for t, a in clear if a.evidence.finding == (GUILTY if t >= 0.6 else INNOCENT)]
+    told = [
+        a
+        for t, a in clear
+        if a.attribution.verdict == (JOINTS_DOMINANT if t >= 0.6 else JOINTS_NOT_DOMINANT)
+    ]
     return len(inside) / len(rows), wrong, len(told) / max(len(clear), 1)
 
 
 @pytest.mark.slow
-def test_a_dozen_made_to_mislead():
+def test_findings_of_12_misleading_recordings_are_not_wrong():
     """Of twelve, 90 % intervals miss three or more once in nine times at most; none is wrong.
 
     Of nine clear ones, told six times in ten, fewer than four are told once in ten times.
@@ -574,66 +702,70 @@ def test_a_dozen_made_to_mislead():
     assert told >= 0.4
 
 
-@pytest.mark.slow
-def test_two_hundred_made_to_mislead():
-    inside, wrong, told = statistics(range(8000, 8200))
+@pytest.mark.parametrize(
+    "count", [pytest.param(50, marks=pytest.mark.slow), pytest.param(200, marks=pytest.mark.long)]
+)
+def test_findings_of_misleading_recordings_are_not_wrong(count):
+    inside, wrong, told = statistics(range(8000, 8000 + count))
     assert not wrong
     assert inside >= 0.85
     assert told >= 0.6
 
 
-def test_findings_need_both_ends():
+def test_finding_requires_both_interval_ends():
     def told(removed, low, high):
-        return Evidence(removed=removed, interval=(low, high), strength=99.0).finding
+        return JointAttribution(
+            damage_share=removed, interval=(low, high), f_statistic=99.0
+        ).verdict
 
-    assert told(0.6, 0.36, 0.9) == GUILTY
-    assert told(0.45, 0.36, 0.9) == CANNOT_TELL
-    assert told(0.6, 0.34, 0.9) == CANNOT_TELL
-    assert told(0.1, 0.0, 0.25) == INNOCENT
-    assert told(0.1, 0.0, 0.26) == CANNOT_TELL
+    assert told(0.6, 0.36, 0.9) == JOINTS_DOMINANT
+    assert told(0.45, 0.36, 0.9) == UNDETERMINED
+    assert told(0.6, 0.34, 0.9) == UNDETERMINED
+    assert told(0.1, 0.0, 0.25) == JOINTS_NOT_DOMINANT
+    assert told(0.1, 0.0, 0.26) == UNDETERMINED
 
 
-def test_stretches_count_by_their_damage():
+def test_stretches_are_weighted_by_damage():
     parts = [
-        Evidence(removed=r, interval=(r - 0.1, r + 0.1), strength=s, doubts=(d,))
+        JointAttribution(damage_share=r, interval=(r - 0.1, r + 0.1), f_statistic=s, doubts=(d,))
         for r, s, d in ((0.8, 90.0, "a"), (0.2, 9.0, "b"))
     ]
-    both = together(parts, [3.0, 1.0])
-    assert both.removed == pytest.approx(0.65)
+    both = combine_attributions(parts, [3.0, 1.0])
+    assert both.damage_share == pytest.approx(0.65)
     assert both.interval == pytest.approx((0.55, 0.75))
-    assert (both.strength, both.doubts) == (90.0, ("a", "b"))
+    assert (both.f_statistic, both.doubts) == (90.0, ("a", "b"))
 
 
 # --------------------------------------------------------------------------- the angle
 
 
-def test_zeros_out_of_nothing_are_holes_and_a_stop_is_a_stop():
+def test_isolated_zero_speeds_are_gaps_and_standstill_is_kept():
     t = np.arange(6000) / 100
     v = np.clip(np.minimum(t, 60 - t), 0, 20)
     spoiled = v.copy()
     spoiled[3000:3100] = 0.0
-    read = readings(spoiled, rate=100.0)
+    read = speed_readings(spoiled, rate=100.0)
     np.testing.assert_allclose(read.at(t), v, atol=1e-9)
     stopped = np.clip(v - 5, 0, None)
-    np.testing.assert_allclose(readings(stopped, rate=100.0).at(t), stopped, atol=1e-9)
-    with pytest.raises(DesignError, match="two or more values"):
-        readings(np.full(100, np.nan), rate=100.0)
+    np.testing.assert_allclose(speed_readings(stopped, rate=100.0).at(t), stopped, atol=1e-9)
+    with pytest.raises(DesignError, match="two or more positive values"):
+        speed_readings(np.full(100, np.nan), rate=100.0)
 
 
-def test_a_speed_that_a_bus_holds_is_steady_until_it_changes():
+def test_speed_held_by_bus_is_steady_until_it_changes():
     """Half a minute at one speed, in steps of a tenth of a second: no ramp to the next one."""
     t = np.arange(0, 100, 0.005)
     drive = np.interp(t, [0, 30, 33, 63, 63.1, 100], [12, 12, 20, 20, 6, 6])
     held = np.repeat(np.round(drive[::20], 2), 20)
-    read = readings(held, rate=200.0).at(t)
+    read = speed_readings(held, rate=200.0).at(t)
     assert np.abs(read - drive)[(t < 62.8) | (t > 63.3)].max() < 0.4
     # And where it says but three values in all.
     few = np.where(t < 30, 12.0, np.where(t < 63, 20.0, 6.0))
-    off = np.abs(readings(few, rate=200.0).at(t) - few) > 0.01
+    off = np.abs(speed_readings(few, rate=200.0).at(t) - few) > 0.01
     assert np.mean(off) * 100 <= 2.1
 
 
-def test_a_staircase_is_turned_by_the_engine():
+def test_coarse_shaft_speed_is_refined_by_engine_speed():
     """Once a second and half a second late: the engine's channel knows better."""
     case = made(7, **GUILTY_ONE | {"fault": "staircase", "steps": 1.0, "late": 0.5})
     angle = shaft_angle(case.speed, rate=case.rate, engine=case.engine)
@@ -649,51 +781,44 @@ def test_a_staircase_is_turned_by_the_engine():
     assert off.mean() < 0.2 * by_itself.mean()
 
 
-def test_a_tacho_too_fast_for_its_samples_is_refused():
+def test_tacho_too_fast_for_sample_rate_is_rejected():
     """60 pulses a turn at 2 kHz: from 800 rpm on they fold, and look like a slower shaft."""
     t = np.arange(20_000) / 2000
     pulses = (np.sin(2 * np.pi * 60 * 40 * t) > 0).astype(float)
-    recording = in_memory(np.stack([pulses, pulses]), rate=2000.0, names=["S1", "tacho"])
+    recording = recording_from_arrays(
+        np.stack([pulses, pulses]), rate=2000.0, names=["S1", "tacho"]
+    )
     with pytest.raises(DesignError, match="800 rpm"):
-        Campaign(sn="30,2e6,5", tacho="tacho", pulses=60).shaft(recording)
-    once = Campaign(sn="30,2e6,5", tacho="tacho", pulses=1).shaft(recording)
+        measured_shaft_angle(AnalysisOptions(sn="30,2e6,5", tacho="tacho", pulses=60), recording)
+    once = measured_shaft_angle(AnalysisOptions(sn="30,2e6,5", tacho="tacho", pulses=1), recording)
     assert once is not None
 
 
 @pytest.mark.parametrize("speed", [lambda t: 40 + 0 * t, lambda t: 8 + 34 * t / 90])
-def test_nor_one_whose_pulses_fold_as_it_turns(speed):
+def test_tacho_aliasing_at_higher_speed_is_rejected(speed):
     """At 4 kHz 1500 rpm are held apart; 2400 were told as 1732, and a ramp up to it as well."""
     t = np.arange(360_000) / 4000
     pulses = (np.sin(2 * np.pi * 60 * np.cumsum(speed(t)) / 4000) > 0).astype(float)
-    recording = in_memory(np.stack([pulses, pulses]), rate=4000.0, names=["S1", "tacho"])
+    recording = recording_from_arrays(
+        np.stack([pulses, pulses]), rate=4000.0, names=["S1", "tacho"]
+    )
     with pytest.raises(DesignError, match=r"read up to [12]\d\d\d rpm.* held apart up to 1600 rpm"):
-        Campaign(sn="30,2e6,5", tacho="tacho", pulses=60).shaft(recording)
+        measured_shaft_angle(AnalysisOptions(sn="30,2e6,5", tacho="tacho", pulses=60), recording)
 
 
-def test_a_tacho_says_up_to_what_it_tells():
+def test_highest_readable_tacho_speed_is_noted():
     t = np.arange(40_000) / 4000
     stress, pulses = np.sin(60 * t), (np.sin(2 * np.pi * 60 * 20 * t) > 0).astype(float)
-    recording = in_memory(
+    recording = recording_from_arrays(
         np.stack([stress, pulses]), rate=4000.0, names=["S1", "tacho"], units=["MPa", ""],
     )  # fmt: skip
-    asked = Campaign(sn="30,2e6,5", gauges=("S1",), tacho="tacho", pulses=60)
+    asked = AnalysisOptions(sn="30,2e6,5", gauges=("S1",), tacho="tacho", pulses=60)
     notes = RecordingStudy(asked).run(recording).answer.recording.notes
     assert any("held apart up to 1600 rpm" in str(n) for n in notes)
 
 
-def test_a_fixed_tone_is_no_order():
-    """390 Hz beside a shaft of 10 turns/s had read as order 1: folded by forty samples a turn."""
-    rate = 2000.0
-    t = np.arange(40_000) / rate
-    rotation = Rotation(t[::5], 10 * t[::5])
-    order, amplitude = order_spectrum(np.sin(2 * np.pi * 390 * t), rotation=rotation, rate=rate)
-    assert amplitude.max() < 1e-3
-    both = np.sin(2 * np.pi * 390 * t) + 0.5 * np.sin(2 * np.pi * 10 * t)
-    order, amplitude = order_spectrum(both, rotation=rotation, rate=rate)
-    assert amplitude[order == 1] == pytest.approx(0.5, rel=4e-3)
-
-
-def test_the_command_tells_the_finding(tmp_path):
+@pytest.mark.slow
+def test_command_reports_finding(tmp_path):
     case = made(5, **GUILTY_ONE | {"modes": mode(55, 0.02), "seconds": 60.0})
     t = np.arange(case.stress.size) / case.rate
     rows = np.stack([t, case.stress, case.speed * 60, case.engine * 60, case.torque / 1e3], -1)
@@ -708,13 +833,13 @@ def test_the_command_tells_the_finding(tmp_path):
     (gauge,) = json.loads(done.output)["gauges"]
     joints = next(c for c in gauge["causes"] if c["cause"] == "joints")
     for told in (gauge, joints):
-        assert told["finding"] == GUILTY
+        assert told["finding"] == JOINTS_DOMINANT
         low, high = told["removed_interval"]
         assert 0.35 < low <= told["removed"] <= high
     assert gauge["modes"][0]["frequency_Hz"] == pytest.approx(55, rel=0.02)
     whole = gauge["damage"]
     assert 1 - joints["damage_without"] / whole == pytest.approx(gauge["removed"], abs=0.02)
-    blind = CliRunner().invoke(command, [str(tmp_path / "a.csv"), *more])
+    blind = CliRunner().invoke(command, ["--all", str(tmp_path / "a.csv"), *more])
     assert "90 % interval" in blind.output
-    assert "GUILTY" in blind.output
+    assert "JOINTS DOMINATE" in blind.output
     assert "no engine speed was given" in blind.output

@@ -6,9 +6,9 @@ The engine knows rigid bodies and pins and nothing of this program's equations (
 import numpy as np
 import pytest
 
-from cardan.base.units import deg
-from cardan.kinematics.chain import turn
-from cardan.model.layout import from_slopes
+from cardan.core.units import deg
+from cardan.model.layout import layout_from_slopes
+from cardan.physics.kinematics.joint_chain import rotate_chain
 
 SAMPLES = 12
 
@@ -27,13 +27,13 @@ LINES = {
 
 @pytest.mark.oracle
 @pytest.mark.parametrize("line", LINES.values(), ids=LINES.keys())
-def test_every_member_moves_as_in_the_engine(line):
+def test_motion_of_every_member_matches_drake(line):
     """To 1e-9, as the engine's pose is found to 1e-14 and conditioning costs little."""
     from engine import Mechanism
 
     side, top, phases = (np.radians(x) for x in line)
-    layout = from_slopes(side=side, top=top, lengths=np.linspace(0.9, 1.6, len(phases)))
-    found = turn(layout.directions, phases=phases, samples=SAMPLES)
+    layout = layout_from_slopes(side=side, top=top, lengths=np.linspace(0.9, 1.6, len(phases)))
+    found = rotate_chain(layout.directions, phases=phases, samples=SAMPLES)
     mechanism = Mechanism(layout.points, layout.directions, phases)
     x, speed, acceleration = (
         np.array(values)

@@ -8,10 +8,10 @@ the line (`engine.py`), and its Jacobians say what the frame must hold (`frame.p
 import numpy as np
 import pytest
 
-from cardan.kinematics.chain import turn
-from cardan.loads import Loads, loads
-from cardan.model.layout import Layout, from_slopes
+from cardan.model.layout import Layout, layout_from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft
+from cardan.physics.kinematics.joint_chain import rotate_chain
+from cardan.physics.loads.statics import JointLoads, joint_loads
 
 SAMPLES = 16
 
@@ -45,7 +45,7 @@ def placed(
     overhangs: list[float],
     floating: bool,
 ) -> tuple[Layout, Line]:
-    layout = from_slopes(side=np.radians(side), top=np.radians(top), lengths=lengths)
+    layout = layout_from_slopes(side=np.radians(side), top=np.radians(top), lengths=lengths)
     bearings = [*(CentreBearing(from_rear_joint=x) for x in overhangs), None]
     shafts = tuple(
         Shaft(length=length, phase=np.radians(phase), centre_bearing=bearing)
@@ -59,8 +59,10 @@ def chain(request: pytest.FixtureRequest) -> tuple[Layout, Line]:
     return placed(*request.param)
 
 
-def ours(layout: Layout, line: Line) -> Loads:
-    return loads(layout, turn(layout.directions, phases=line.phases), line, torque=1.0)
+def ours(layout: Layout, line: Line) -> JointLoads:
+    return joint_loads(
+        layout, rotate_chain(layout.directions, phases=line.phases), line, torque=1.0
+    )
 
 
 def overhangs(line: Line) -> list[float]:
@@ -76,7 +78,7 @@ def assert_same(found: np.ndarray, engine: np.ndarray) -> None:
 
 
 @pytest.mark.oracle
-def test_agrees_with_an_engine_that_has_the_crosses_as_bodies(chain: tuple[Layout, Line]) -> None:
+def test_loads_match_exudyn(chain: tuple[Layout, Line]) -> None:
     from crosses import Crosses
 
     layout, line = chain
@@ -95,7 +97,7 @@ def test_agrees_with_an_engine_that_has_the_crosses_as_bodies(chain: tuple[Layou
 
 
 @pytest.mark.oracle
-def test_agrees_with_virtual_power_in_an_engine(chain: tuple[Layout, Line]) -> None:
+def test_loads_match_virtual_power_in_drake(chain: tuple[Layout, Line]) -> None:
     from engine import Mechanism
     from frame import held
 
@@ -115,14 +117,14 @@ def test_agrees_with_virtual_power_in_an_engine(chain: tuple[Layout, Line]) -> N
 
 @pytest.mark.oracle
 @pytest.mark.parametrize("name", ["two shafts, odd phases, bearing ahead", "three shafts"])
-def test_what_speeds_up_the_shafts_agrees_with_an_engine(name: str) -> None:
+def test_inertia_loads_match_exudyn_and_drake(name: str) -> None:
     """No torque at all, so that the masses the engine gives its bodies are all there is."""
     from engine import Mechanism
     from frame import held, masses_take
 
     layout, line = placed(*CHAINS[name])
     mechanism = Mechanism(layout.points, layout.directions, line.phases)
-    spin = turn(layout.directions, phases=line.phases)
+    spin = rotate_chain(layout.directions, phases=line.phases)
 
     def polar(name: str) -> float:
         body = mechanism.plant.GetBodyByName(name)
@@ -131,7 +133,7 @@ def test_what_speeds_up_the_shafts_agrees_with_an_engine(name: str) -> None:
 
     inertias = np.array([polar(f"member {k}") for k in range(1, len(layout.points))])
     inertias[-1] += polar("spline")
-    found = loads(
+    found = joint_loads(
         layout, spin, line, torque=0.0, inertias=inertias, accelerations=spin.acceleration
     )
     bearings, forces = [], []

@@ -12,29 +12,34 @@ from functools import partial
 import jsonschema
 import numpy as np
 import pytest
-from chief import chief
+from case_selection import select
 from click.testing import CliRunner
 from shaken import LINE, Truth, run_up, shaken
 
-from cardan import files
-from cardan.base.errors import DesignError
+from cardan.application import reader
 from cardan.cli.life import life as command
-from cardan.fatigue.angle import Angle
-from cardan.fatigue.cuts import order_cuts, windows
-from cardan.fatigue.damage import miner
-from cardan.fatigue.life import Plan, life
-from cardan.fatigue.orders import Rotation
-from cardan.fatigue.rainflow import rainflow
-from cardan.fatigue.recording import in_memory
-from cardan.fatigue.strain import direct
-from cardan.fatigue.strength import SNCurve
-from cardan.report.contract_schema import schema
-from cardan.study import identification
-from cardan.study.identification import _pole, changed, departures, identify, load_history
-from cardan.study.promise import bearing_history, promised
+from cardan.core.errors import DesignError
+from cardan.documents.approval_schema import schema
+from cardan.physics.fatigue.damage import miner_damage
+from cardan.physics.fatigue.rainflow import rainflow
+from cardan.physics.fatigue.sn_curve import SNCurve
+from cardan.physics.fatigue.strain_gauges import single_gauge
+from cardan.physics.signals.assessment import AssessmentSettings, assess_gauges
+from cardan.physics.signals.order_cuts import order_cuts, order_windows
+from cardan.physics.signals.order_tracking import ShaftRotation
+from cardan.physics.signals.recording import recording_from_arrays
+from cardan.physics.signals.shaft_angle import ShaftAngle
+from cardan.topics.recording import parameter_identification as identification
+from cardan.topics.recording.bearing_model import _pole
+from cardan.topics.recording.identification_result import (
+    application_with_changes,
+    parameter_changes,
+)
+from cardan.topics.recording.identified_force import joint_force_history
+from cardan.topics.recording.parameter_identification import identify_parameters
+from cardan.topics.recording.predicted_life import bearing_force_history, predict_life
 
 TRUE = Truth()
-QUICK = "rubber"
 CASES = {
     "rubber": (TRUE, 1),
     "a mode of the bracket": (replace(TRUE, mode=(24.0, 0.02)), 2),
@@ -49,18 +54,18 @@ CASES = {
 def application(tmp_path_factory):
     path = tmp_path_factory.mktemp("line") / "line.yaml"
     path.write_text(LINE)
-    return files.read(path)
+    return reader.read(path)
 
 
 def asked(application, truth, seed, *, seconds=100.0, bus=None):
     """What the recording of a truth says; `bus` spoils the angle: ratio, lag s, as from a bus."""
     one = shaken(truth, seconds=seconds, seed=seed)
     time = np.arange(one.turns.size) / one.rate
-    angle = Angle(Rotation(time[::5], one.turns[::5]), lag=0.02)
+    angle = ShaftAngle(ShaftRotation(time[::5], one.turns[::5]), lag=0.02)
     if bus is not None:
         ratio, lag = bus
-        angle = Angle(Rotation(time[::5] + lag, ratio * one.turns[::5]), lag=0.15)
-    return identify(
+        angle = ShaftAngle(ShaftRotation(time[::5] + lag, ratio * one.turns[::5]), lag=0.15)
+    return identify_parameters(
         application, iter([one.stress[None] * 1e6]), rate=one.rate, gauges=["S1"],
         units=np.array([truth.unit]), angle=angle, torque=(one.torque, one.rate),
         seconds=time[-1], state="as given",
@@ -79,8 +84,8 @@ def true(truth):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", chief(CASES, QUICK))
-def test_the_truth_lies_inside_every_interval(application, name):
+@pytest.mark.parametrize("name", select(CASES, "a mode of the bracket"))
+def test_true_values_lie_within_every_interval(application, name):
     truth, seed = CASES[name]
     found = asked(application, truth, seed)
     numbers = {p.name: p for p in found.parameters}
@@ -91,15 +96,16 @@ def test_the_truth_lies_inside_every_interval(application, name):
     # An interval that holds everything says nothing.
     assert numbers["vertical"].high < 1.07 * numbers["vertical"].low
     assert numbers["lateral"].high < 1.07 * numbers["lateral"].low
-    assert numbers["vertical"].otherwise
-    assert numbers["lateral"].otherwise
-    assert numbers["unbalance"].told == (truth.unbalance > 0)
+    assert numbers["vertical"].contradicts_file
+    assert numbers["lateral"].contradicts_file
+    assert numbers["unbalance"].identifiable == (truth.unbalance > 0)
     # Most of what the file leaves open is explained.
     assert found.misfit[1] < 0.02 < 0.1 < found.misfit[0]
 
 
 @pytest.mark.slow
-def test_an_angle_from_a_bus_does_as_well(application):
+@pytest.mark.long
+def test_angle_from_bus_gives_equal_identification(application):
     """A quarter of a per mille off, and 4 ms late: what identification of speed leaves."""
     found = asked(application, TRUE, 6, bus=(1.00025, 0.004))
     for p in found.parameters:
@@ -110,20 +116,21 @@ def test_an_angle_from_a_bus_does_as_well(application):
 
 
 @pytest.mark.slow
-def test_a_file_that_is_right_is_left_alone(application):
+@pytest.mark.long
+def test_correct_file_is_not_changed(application):
     truth = replace(TRUE, vertical=150e3, lateral=100e3, loss=0.1)
     found = asked(application, truth, 7)
-    assert not any(p.otherwise for p in found.parameters)
-    assert found.changes() == {}
-    assert found.text() == LINE
+    assert not any(p.contradicts_file for p in found.parameters)
+    assert found.file_changes() == {}
+    assert found.file_text() == LINE
 
 
-def test_what_the_file_leaves_out_is_put_into_it(tmp_path):
+def test_values_missing_in_file_are_identified_and_added(tmp_path):
     path = tmp_path / "line.yaml"
     path.write_text(LINE.replace("        loss_factor: 0.1\n", ""))
     bearing = "driveline.shafts[1].centre_bearing"
-    found = changed(
-        files.read(path),
+    found = application_with_changes(
+        reader.read(path),
         {f"{bearing}.loss_factor": 0.085, f"{bearing}.vertical_stiffness_N_mm": 172.5},
     )
     mount = found.lines[0].line.shafts[0].centre_bearing
@@ -131,7 +138,8 @@ def test_what_the_file_leaves_out_is_put_into_it(tmp_path):
     assert mount.stiffness[0] == pytest.approx(172.5e3)
 
 
-def test_a_quick_run_up_bends_no_stiffness(application):
+@pytest.mark.long
+def test_fast_run_up_does_not_bias_stiffness(application):
     """At a hundred rpm a second modes peak late and low: without their memory k is 6 % off."""
     found = asked(application, TRUE, 8, seconds=40.0)
     for p in found.parameters:
@@ -139,7 +147,8 @@ def test_a_quick_run_up_bends_no_stiffness(application):
             assert p.low <= getattr(TRUE, p.name) <= p.high, p.name
 
 
-def test_a_coarse_clock_is_near_enough_to_choose_by(application, monkeypatch):
+@pytest.mark.slow
+def test_coarse_time_step_is_accurate_enough_for_selection(application, monkeypatch):
     """Of a quick run-up as well: by less than one standard deviation in all, of 300 numbers."""
     asked_of = []
 
@@ -162,29 +171,36 @@ def test_a_coarse_clock_is_near_enough_to_choose_by(application, monkeypatch):
         assert coarse.rows(free, x) @ coarse.rows(free, x) == pytest.approx(left @ left, rel=0.02)
 
 
-def test_a_drive_that_comes_near_no_mode_is_told(application):
+@pytest.mark.long
+def test_drive_away_from_resonance_is_identified(application):
     """All modes lay above four times its speed, and the mean of none of them was no number."""
     bearing = "driveline.shafts[1].centre_bearing"
-    stiff = changed(
+    stiff = application_with_changes(
         application,
         {f"{bearing}.vertical_stiffness_N_mm": 2000, f"{bearing}.lateral_stiffness_N_mm": 1500},
     )
     truth = replace(TRUE, mode=None, vertical=2.3e6, lateral=1.7e6)
     one = shaken(truth, seconds=60.0, seed=13, drive=partial(run_up, low=2.0, high=5.0))
     time = np.arange(one.turns.size) / one.rate
-    found = identify(
-        stiff, iter([one.stress[None] * 1e6]), rate=one.rate, gauges=["S1"],
-        units=np.array([truth.unit]), angle=Angle(Rotation(time[::5], one.turns[::5]), lag=0.02),
-        torque=(one.torque, one.rate), seconds=time[-1], state="as given",
-    )  # fmt: skip
+    found = identify_parameters(
+        stiff,
+        iter([one.stress[None] * 1e6]),
+        rate=one.rate,
+        gauges=["S1"],
+        units=np.array([truth.unit]),
+        angle=ShaftAngle(ShaftRotation(time[::5], one.turns[::5]), lag=0.02),
+        torque=(one.torque, one.rate),
+        seconds=time[-1],
+        state="as given",
+    )
     assert np.isfinite(found.misfit).all()
     for p in found.parameters:
-        if p.name in ("vertical", "lateral") and p.told:
+        if p.name in ("vertical", "lateral") and p.identifiable:
             assert p.low <= getattr(truth, p.name) <= p.high, p.name
 
 
-@pytest.mark.slow
-def test_what_the_model_leaves_out_does_not_average_out(application):
+@pytest.mark.long
+def test_model_error_does_not_average_out_with_duration(application):
     """Four times the recording: of what is not only noise the interval is no narrower, by a fifth.
 
     By noise alone, and by blocks of windows, it is half to two thirds as wide.
@@ -198,14 +214,14 @@ def test_what_the_model_leaves_out_does_not_average_out(application):
     assert width(400.0) > 0.8 * width(100.0)
 
 
-def test_an_order_is_cut_to_rounding():
+def test_order_extraction_is_accurate_to_rounding():
     """Of a steady shaft whole orders do not see each other, nor a level."""
     rate, n = 1000.0, 20_000
     t = np.arange(n) / rate
-    rotation = Rotation(np.array([0.0, 20.0]), np.array([0.25, 160.25]))
+    rotation = ShaftRotation(np.array([0.0, 20.0]), np.array([0.25, 160.25]))
     theta = 2 * np.pi * rotation.at(t)
     x = 7 + 3 * np.cos(theta + 0.4) + 5 * np.cos(2 * theta - 1.1) + 2 * np.sin(4 * theta)
-    at = windows(rotation, until=t[-1])
+    at = order_windows(rotation, until=t[-1])
     found = order_cuts([x[None, :700], x[None, 700:]], rate=rate, rotation=rotation, at=at)
     want = np.array([3 * np.exp(0.4j), 5 * np.exp(-1.1j), -2j])
     # 125 samples a turn: the sum is a trapezium's over whole turns, exact but for its ends.
@@ -229,7 +245,7 @@ def identified(folder, run, *more):
     return CliRunner().invoke(
         command,
         [
-            str(run), "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho", "--torque",
+            str(run), "--all", "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho", "--torque",
             "torque", "--application", str(folder / "line.yaml"), "--state", "as given",
             "--unit-stress", "S1=0,9,30", "--identify", "--json",
             str(run.parent / "told.json"), "--changed", str(folder / "stiff.yaml"), *more,
@@ -264,7 +280,7 @@ def told(tmp_path_factory):
 
 
 @pytest.mark.slow
-def test_the_command_writes_the_file_anew(told):
+def test_command_writes_corrected_file_and_keeps_comments(told):
     """Numbers that are otherwise, and nothing else; comments stay, and the file is read again."""
     folder, _, _ = told
     old, new = LINE.splitlines(), (folder / "new.yaml").read_text().splitlines()
@@ -276,13 +292,14 @@ def test_the_command_writes_the_file_anew(told):
     assert {"vertical_stiffness_N_mm", "lateral_stiffness_N_mm"} <= set(told_of)
     new = {k: float(re.search(rf"{k}: ([\d.]+)", "\n".join(new))[1]) for k in keys}
     assert list(new.values()) == pytest.approx([172.5, 85, 0.085], rel=0.06)
-    application = files.read(folder / "new.yaml")
+    application = reader.read(folder / "new.yaml")
     bearing = application.lines[0].line.shafts[0].centre_bearing
     assert bearing.stiffness == pytest.approx([172.5e3, 85e3], rel=0.02)
     assert (folder / "line.yaml").read_text() == LINE
 
 
-def test_the_command_tells_numbers_and_cuts(told):
+@pytest.mark.slow
+def test_command_reports_parameters_and_order_amplitudes(told):
     folder, _, output = told
     found = json.loads((folder / "told.json").read_text())["identification"]
     numbers = {p["name"]: p for p in found["parameters"]}
@@ -297,7 +314,8 @@ def test_the_command_tells_numbers_and_cuts(told):
     assert "otherwise than written" in output
 
 
-def test_what_is_told_is_what_the_contract_says(told):
+@pytest.mark.slow
+def test_json_matches_contract_schema(told):
     """With a changed line as well: `changed` had not been in the schema."""
     folder, _, _ = told
     found = json.loads((folder / "told.json").read_text())
@@ -310,7 +328,8 @@ def test_what_is_told_is_what_the_contract_says(told):
     assert list(check.iter_errors(found | {"changed": [promise | {"hour": 1}]}))
 
 
-def test_where_a_changed_line_is_not_what_was_found_is_said(told):
+@pytest.mark.slow
+def test_changed_line_deviating_from_identified_values_is_noted(told):
     """Its file was not written upon the corrected one: rubber of neither, and nobody said so."""
     folder, _, output = told
     found = json.loads((folder / "told.json").read_text())
@@ -334,36 +353,40 @@ def test_where_a_changed_line_is_not_what_was_found_is_said(told):
 
 
 @pytest.mark.slow
-def test_a_change_written_upon_the_corrected_file_departs_by_that_change_alone(told, application):
+@pytest.mark.long
+def test_change_of_corrected_file_deviates_only_by_that_change(told, application):
     folder, *_ = told
     found = asked(application, replace(TRUE, mode=None), 9)
-    corrected = files.read(folder / "new.yaml")
-    assert departures(found, found.identified) == ()
-    stiff = changed(corrected, {"driveline.shafts[1].centre_bearing.vertical_stiffness_N_mm": 400})
-    (only,) = departures(found, stiff)
-    assert (only.found.name, only.value) == ("vertical", pytest.approx(400e3))
+    corrected = reader.read(folder / "new.yaml")
+    assert parameter_changes(found, found.identified) == ()
+    stiff = application_with_changes(
+        corrected, {"driveline.shafts[1].centre_bearing.vertical_stiffness_N_mm": 400}
+    )
+    (only,) = parameter_changes(found, stiff)
+    assert (only.identified.name, only.value) == ("vertical", pytest.approx(400e3))
     # What was found, and the changed line does not have at all.
     rigid = re.sub(
         r"\n +(vertical|lateral)_stiffness_N_mm: [\d.]+", "", (folder / "new.yaml").read_text()
     )
     (folder / "rigid.yaml").write_text(rigid)
-    gone = departures(found, files.read(folder / "rigid.yaml"))
-    assert {d.found.name for d in gone} >= {"vertical", "lateral"}
-    assert np.isnan([d.value for d in gone if d.found.name in ("vertical", "lateral")]).all()
+    gone = parameter_changes(found, reader.read(folder / "rigid.yaml"))
+    assert {d.identified.name for d in gone} >= {"vertical", "lateral"}
+    assert np.isnan([d.value for d in gone if d.identified.name in ("vertical", "lateral")]).all()
 
 
-def test_rubber_by_a_key_that_nothing_can_be_written_to_is_refused_at_once(tmp_path):
+@pytest.mark.slow
+def test_rubber_key_that_cannot_be_written_is_rejected_at_once(tmp_path):
     """After a minute it had said that two keys exclude each other, of which the file has one."""
     path = tmp_path / "line.yaml"
     path.write_text(
         re.sub(r"vertical_stiffness_N_mm: [\d.]+\n +lateral_stiffness_N_mm", "stiffness_N_mm", LINE)
     )
     with pytest.raises(DesignError, match="give both in place of what says it otherwise"):
-        asked(files.read(path), TRUE, 1, seconds=40.0)
+        asked(reader.read(path), TRUE, 1, seconds=40.0)
 
 
 @pytest.mark.slow
-def test_a_line_of_which_nothing_is_told_promises_nothing(told, tmp_path):
+def test_unidentified_line_gives_no_prediction(told, tmp_path):
     """Its order 2 was taken for road, and stayed through any cure: 1.504 h became 1.505."""
     folder, _, _ = told
     time, _, torque, tacho, speed = np.loadtxt(folder / "run.csv", delimiter=",", skiprows=1).T
@@ -382,7 +405,10 @@ def test_a_line_of_which_nothing_is_told_promises_nothing(told, tmp_path):
     )
     # What was heard is told; a force of a line that nothing is known of is not.
     assert done.exit_code == 2, done.output
-    assert "--load-history writes nothing: nothing is told of the line" in done.output
+    assert (
+        "--load-history writes nothing: this recording identifies nothing of the line"
+        in done.output
+    )
     assert not (tmp_path / "load.csv").exists()
     found = json.loads((tmp_path / "told.json").read_text())
     assert found["identification"]["doubts"]
@@ -391,28 +417,28 @@ def test_a_line_of_which_nothing_is_told_promises_nothing(told, tmp_path):
 
 
 @pytest.mark.slow
-def test_a_vetoed_gauge_is_promised_nothing(told, tmp_path):
-    """Its hours stood under the changed line, and "vetoed" in the table above."""
+def test_rejected_gauge_gets_no_life_prediction(told, tmp_path):
+    """Its hours stood under the changed line, and "data rejected" in the table above."""
     folder, *_ = told
     rows = np.loadtxt(folder / "run.csv", delimiter=",", skiprows=1)
     rows[[9000, 21000], 1] = 900.0
     written(tmp_path / "spiked.csv", rows)
     done = identified(folder, tmp_path / "spiked.csv")
     found = json.loads((tmp_path / "told.json").read_text())
-    assert found["gauges"][0]["quality"]["verdict"] == "vetoed", done.output
+    assert found["gauges"][0]["quality"]["verdict"] == "data rejected", done.output
     assert not found["identification"]["doubts"]
     assert "changed" not in found
     assert "nothing is promised of the changed line" in done.output
 
 
 @pytest.mark.slow
-def test_the_load_history_is_the_force_on_the_bearing(application):
+def test_load_history_matches_bearing_force(application):
     """Against the force that the generator's springs had: 8 % rms, the passing of a mode too."""
     truth = replace(TRUE, mode=None)
     one, found = shaken(truth, seconds=100.0, seed=9), asked(application, truth, 9)
     clock = np.arange(one.turns.size) / one.rate
-    time, force = load_history(
-        found, Rotation(clock[::5], one.turns[::5]), (one.torque, one.rate), seconds=clock[-1]
+    time, force = joint_force_history(
+        found, ShaftRotation(clock[::5], one.turns[::5]), (one.torque, one.rate), seconds=clock[-1]
     )
     force = force.T
     want = np.stack([np.interp(time, np.arange(len(one.force)) / one.rate, f) for f in one.force.T])
@@ -424,7 +450,8 @@ def test_the_load_history_is_the_force_on_the_bearing(application):
         assert abs(np.mean(off)) < 0.05 * np.abs(want[k, inside]).max()
 
 
-def test_the_command_writes_what_the_gauge_felt(told):
+@pytest.mark.slow
+def test_command_writes_load_history_of_gauge(told):
     """Of one gauge the least force that does what it read, but for what is slower than 10 s."""
     folder, one, _ = told
     time, *force = np.loadtxt(folder / "load.csv", delimiter=",", skiprows=1).T
@@ -435,7 +462,7 @@ def test_the_command_writes_what_the_gauge_felt(told):
 
 
 @pytest.mark.slow
-def test_the_road_is_in_the_load_history_and_stays_when_the_line_is_changed(application):
+def test_load_history_keeps_road_force_if_line_changes(application):
     """Three gauges, the generator's springs, a road of known force: 15 % rms of what it pushes."""
     truth = replace(TRUE, mode=None, noise=0.0)
     one = shaken(truth, seconds=60.0, rate=500.0, seed=11)
@@ -446,36 +473,38 @@ def test_the_road_is_in_the_load_history_and_stays_when_the_line_is_changed(appl
     road = np.stack([0 * time, 700 * blows, 1500 * blows + rng.normal(0, 30, time.size)], axis=-1)
     stress = units @ (one.force + road).T + 40e6 * (1 - np.exp(-time / 30))  # and a zero creeps
     stress[2, 5000:5100] = np.nan
-    angle = Angle(Rotation(time[::5], one.turns[::5]), lag=0.02)
+    angle = ShaftAngle(ShaftRotation(time[::5], one.turns[::5]), lag=0.02)
     drive = {"torque": (one.torque, one.rate), "seconds": time[-1]}
-    found = identify(
+    found = identify_parameters(
         application, iter([stress]), rate=one.rate, gauges=["A", "B", "C"], units=units,
         angle=angle, state="as given", **drive,
     )  # fmt: skip
     how = {"rate": one.rate, "rotation": angle.rotation, **drive}
     pieces = np.split(stress, [700, 7777], axis=1)
-    clock, force = bearing_history(found, pieces, **how)
+    clock, force = bearing_force_history(found, pieces, **how)
     inside = (clock > 3) & (clock < 55) & ~((clock > 9.9) & (clock < 10.3))
     want = (one.force + road)[: len(clock)]
-    alone = load_history(found, angle.rotation, drive["torque"], seconds=time[-1], rate=one.rate)[1]
+    alone = joint_force_history(
+        found, angle.rotation, drive["torque"], seconds=time[-1], rate=one.rate
+    )[1]
     for k in (1, 2):
         push = np.std(road[: len(clock)][inside, k])
         off = np.std((force - want)[inside, k])
         assert off < 0.15 * push
         assert off < 0.2 * np.std((alone - want)[inside, k])
     # Another line: its own joints' force, and the same road.
-    stiff = changed(
+    stiff = application_with_changes(
         application, {"driveline.shafts[1].centre_bearing.vertical_stiffness_N_mm": 400}
     )
-    _, other = bearing_history(found, pieces, **how, application=stiff)
-    _, joints = load_history(
+    _, other = bearing_force_history(found, pieces, **how, application=stiff)
+    _, joints = joint_force_history(
         found, angle.rotation, drive["torque"], seconds=time[-1], rate=one.rate, application=stiff
     )  # fmt: skip
     assert other - force == pytest.approx(joints - alone, abs=1e-6)
 
 
 @pytest.mark.slow
-def test_a_promise_is_counted_as_the_recording_was(application):
+def test_prediction_is_counted_like_recording(application):
     """The changed line's own force in place of the old one's, at every sample, not at some.
 
     Straight lines between 250 samples a second lost 5 % of order 2 at 30 Hz and 30 % at 80: what
@@ -485,45 +514,49 @@ def test_a_promise_is_counted_as_the_recording_was(application):
     one = shaken(truth, seconds=60.0, rate=1000.0, seed=12)
     time = np.arange(one.turns.size) / one.rate
     units = np.array([[0.5e3, 9e3, 30e3]])
-    angle = Angle(Rotation(time[::5], one.turns[::5]), lag=0.02)
+    angle = ShaftAngle(ShaftRotation(time[::5], one.turns[::5]), lag=0.02)
     drive = {"torque": (one.torque, one.rate), "seconds": float(time.size / one.rate)}
-    found = identify(
+    found = identify_parameters(
         application, iter([units @ one.force.T]), rate=one.rate, gauges=["A"], units=units,
         angle=angle, state="as given", **drive,
     )  # fmt: skip
 
     def felt(of):
         how = {"seconds": drive["seconds"], "rate": one.rate, "application": of}
-        return found.units @ load_history(found, angle.rotation, drive["torque"], **how)[1].T
+        return (
+            found.unit_stress
+            @ joint_force_history(found, angle.rotation, drive["torque"], **how)[1].T
+        )
 
     curve = SNCurve(amplitude=30e6, cycles=2e6, slope=5).elementary()
-    plan = Plan(gauges=(direct("A", "A", factor=1.0),), curve=curve)
+    plan = AssessmentSettings(gauges=(single_gauge("A", "A", factor=1.0),), curve=curve)
     old = felt(None)
-    (told,) = life(in_memory(old, rate=one.rate, names=["A"]), plan=plan)
+    (told,) = assess_gauges(recording_from_arrays(old, rate=one.rate, names=["A"]), plan=plan)
     # As if more had been counted between samples than at them.
     told = replace(told, life=replace(told.life, damage=1.5 * told.life.damage))
-    stiff = changed(
+    stiff = application_with_changes(
         application, {"driveline.shafts[1].centre_bearing.vertical_stiffness_N_mm": 400}
     )
     for of in (None, stiff):
-        (promise,) = promised(
+        (promise,) = predict_life(
             found, of or found.identified, np.split(old, [7000, 7001], axis=1), rate=one.rate,
             rotation=angle.rotation, **drive, plan=plan, lives=[told],
         )  # fmt: skip
-        was, would = (miner(rainflow(x[0]), curve=curve) for x in (old, felt(of)))
+        was, would = (miner_damage(rainflow(x[0]), curve=curve) for x in (old, felt(of)))
         want = told.life.damage * would / was
         assert promise.changed.damage == pytest.approx(want, rel=1e-6)
         assert (promise.changed.damage == promise.recorded.damage) == (of is None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "said"),
     [
         (["--identify"], "--identify needs the --application"),
-        (["--corrected", "out.yaml"], "--corrected tells what --identify finds"),
+        (["--corrected", "out.yaml"], "--corrected reports what --identify finds"),
     ],
 )
-def test_what_cannot_be_identified_is_refused(told, options, said):
+def test_identification_options_without_application_are_rejected(told, options, said):
     folder, _, _ = told
     done = CliRunner().invoke(
         command, [str(folder / "run.csv"), "--gauge", "S1", "--sn", "30,2e6,5", *options]
@@ -533,7 +566,7 @@ def test_what_cannot_be_identified_is_refused(told, options, said):
 
 
 @pytest.mark.parametrize("z", [0.05, 1.0, 1.28])
-def test_a_mode_s_pole_is_a_root_of_its_equation(z):
+def test_mode_pole_solves_characteristic_equation(z):
     """s² + 2 z w s + w² = 0, damped beyond 1 too, which a search may try: it was no number."""
     pole = _pole(30.0, z)
     assert pole**2 + 2 * z * 30.0 * pole + 30.0**2 == pytest.approx(0.0, abs=1e-9)

@@ -13,15 +13,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from adversarial import colour, smooth
+from case_selection import long
 from driven_engine import Driving, Mount
 from test_rubber_engine import rigid
 
-from cardan import files
-from cardan.demand.states import demand, resolve
-from cardan.fatigue.angle import Angle
-from cardan.fatigue.orders import Rotation
-from cardan.quantity.response import respond
-from cardan.study.identification import changed, identify
+from cardan.application import reader
+from cardan.checks.line_response import compute_line_response
+from cardan.physics.signals.order_tracking import ShaftRotation
+from cardan.physics.signals.shaft_angle import ShaftAngle
+from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
+from cardan.topics.recording.identification_result import application_with_changes
+from cardan.topics.recording.parameter_identification import identify_parameters
 
 pytestmark = [pytest.mark.oracle, pytest.mark.filterwarnings("ignore")]
 
@@ -34,6 +36,8 @@ BRACKET = (2.5e6, 4e6), (0.9e6, 1.6e6)
 HEAVY = 3e-3  # kg m, at joint 3
 CROOKED = np.radians(4)
 DRAWN = (1.0, 1.0, 1.0, 1.0)
+WRONG = (2.2, 0.7, 0.5, 1.9)
+"""Stiffness in the file over the drawing's: vertical and lateral of each bearing."""
 MASS = 6.0
 UNITS = {"S1": (0.0, 9e3, 30e3), "S2": (0.0, -20e3, 12e3)}  # Pa/N
 
@@ -47,7 +51,7 @@ def application():
     text = EXAMPLE.read_text()
     firm = text.replace("windup_stiffness_kNm_deg: 16 ", "windup_stiffness_kNm_deg: 1000 ")
     assert firm != text
-    return files.loads(firm, folder=EXAMPLE.parent)
+    return reader.loads(firm, folder=EXAMPLE.parent)
 
 
 @cache
@@ -68,7 +72,9 @@ def driven():
         axis=-1,
     )
     drawn = application()
-    response = respond(drawn, demand(resolve(drawn, drawn.lines[0])))
+    response = compute_line_response(
+        drawn, line_state_demand(resolve_line_references(drawn, drawn.lines[0]))
+    )
     of = response.demand.states.index("gvw")
     points, directions = response.layout.points[of], response.layout.directions[of]
     phases = [s.phase for s in response.line.shafts]
@@ -92,7 +98,9 @@ def written(times):
     at = "driveline.shafts[{}].centre_bearing.{}_stiffness_N_mm"
     ways = [at.format(k, way) for k in (1, 2) for way in ("vertical", "lateral")]
     drawn = (200, 120, 200, 120)
-    return changed(application(), {w: t * d for w, t, d in zip(ways, times, drawn, strict=True)})
+    return application_with_changes(
+        application(), {w: t * d for w, t, d in zip(ways, times, drawn, strict=True)}
+    )
 
 
 @cache
@@ -101,19 +109,26 @@ def found(times):
     rng = np.random.default_rng(2)
     units = np.array(list(UNITS.values()))
     stress = units[:, 1:] @ drive.force[1].T + rng.normal(0, 0.3e6, (len(UNITS), drive.time.size))
-    return identify(
-        written(times), iter([stress[:, ::2]]),
-        rate=1 / (2 * STEP), gauges=list(UNITS), units=units,
-        angle=Angle(Rotation(drive.time[::10], drive.angle[::10] / (2 * np.pi)), lag=0.02),
-        torque=(drive.torque[::10], 1 / (10 * STEP)), seconds=drive.time[-1], state="gvw",
+    return identify_parameters(
+        written(times),
+        iter([stress[:, ::2]]),
+        rate=1 / (2 * STEP),
+        gauges=list(UNITS),
+        units=units,
+        angle=ShaftAngle(
+            ShaftRotation(drive.time[::10], drive.angle[::10] / (2 * np.pi)), lag=0.02
+        ),
+        torque=(drive.torque[::10], 1 / (10 * STEP)),
+        seconds=drive.time[-1],
+        state="gvw",
         bearing=2,
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize(
-    "times", [DRAWN, (0.71, 0.93, 1.01, 1.08), (1.51, 0.96, 0.76, 0.74), (2.2, 0.7, 0.5, 1.9)]
+    "times", [WRONG, *long((DRAWN,), ((0.71, 0.93, 1.01, 1.08),), ((1.51, 0.96, 0.76, 0.74),))]
 )
-def test_supports_are_found_as_soft_as_rubber_and_bracket_together(times):
+def test_support_stiffness_is_rubber_and_bracket_in_series(times):
     """Whatever the file says: of two of these it had been told that one is a quarter as stiff."""
     numbers = {(p.name, p.part.number): p for p in found(times).parameters}
     for nth, (rubber, bracket) in enumerate(zip(RUBBER, BRACKET, strict=True), 1):
@@ -122,18 +137,18 @@ def test_supports_are_found_as_soft_as_rubber_and_bracket_together(times):
             assert p.low <= r * b / (r + b) <= p.high, (name, nth, p)
     # That of the bearing whose force the gauges feel is told closely.
     assert numbers["vertical", 2].high < 1.07 * numbers["vertical", 2].low
-    assert numbers["vertical", 2].otherwise
+    assert numbers["vertical", 2].contradicts_file
 
 
-def test_a_crooked_weld_and_what_is_unbalanced_are_held():
-    numbers = {(p.name, p.part.number): p for p in found(DRAWN).parameters}
+def test_yoke_phase_error_and_unbalance_lie_within_intervals():
+    numbers = {(p.name, p.part.number): p for p in found(WRONG).parameters}
     for nth, phase in enumerate((0.0, CROOKED, 0.0), 1):
         assert numbers["phase", nth].low <= phase <= numbers["phase", nth].high
     p = numbers["unbalance", 2]
-    assert p.told
+    assert p.identifiable
     assert p.low <= HEAVY <= p.high
 
 
-def test_what_was_found_explains_what_was_recorded():
-    before, after = found(DRAWN).misfit
+def test_identified_line_reproduces_recording():
+    before, after = found(WRONG).misfit
     assert after < 0.08 < 0.4 < before  # what is left is the road

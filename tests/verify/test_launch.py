@@ -8,36 +8,41 @@ what they hold standing give METHOD's numbers of the 4x2.
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from chief import chief
+from case_selection import select
 from scipy.integrate import solve_ivp
 
-from cardan import files
-from cardan.demand.states import demand
-from cardan.dynamics.branched import modes
-from cardan.dynamics.launch import part_damping
-from cardan.model.turning import Launch
-from cardan.study.launching import Losses, start
-from cardan.study.powertrain import drivetrain
+from cardan.application import reader
+from cardan.core.provenance import Source
+from cardan.core.verdict import Limit
+from cardan.model.powertrain import Launch
+from cardan.physics.dynamics.launch import spring_parallel_damping_matrix
+from cardan.physics.dynamics.torsional_network import torsional_modes
+from cardan.physics.vehicle.state_demand import line_state_demand
+from cardan.topics.torsion.launch_study import GearLosses, simulate_launch
+from cardan.topics.torsion.powertrain_model import vehicle_torsion_model
+from cardan.topics.torsion.vibration_checks import check_limit
 
 TRUCK = Path(__file__).with_name("launch_4x2.yaml")
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def started(app):
-    parts = drivetrain(app)
-    asked = tuple(demand(x) for x in parts.lines)
-    return parts, asked, [start(parts, asked, w) for w in app.launches]
+    parts = vehicle_torsion_model(app)
+    asked = tuple(line_state_demand(x) for x in parts.lines)
+    return parts, asked, [simulate_launch(parts, asked, w) for w in app.launches]
 
 
 @pytest.fixture(scope="module")
 def method():
-    return started(files.read(TRUCK))
+    return started(reader.read(TRUCK))
 
 
-def test_the_4x2_of_method_16_starts_as_it_says(method):
+@pytest.mark.slow
+def test_launch_of_4x2_matches_method_16(method):
     """0.97 of T i by half a second, 1.08 by a dropped clutch, 1.43 if its tyres could not slide.
 
     Within 1.5 %: its inertias and its damping are not stated. It reverses, by some 3 % of T i
@@ -49,41 +54,67 @@ def test_the_4x2_of_method_16_starts_as_it_says(method):
     assert smooth.shares["ramp"] == pytest.approx(0.97, rel=0.015)
     assert dropped.shares["ramp"] == pytest.approx(1.08, rel=0.015)
     assert dropped.shares["if tyres could not slide"] == pytest.approx(1.43, rel=0.005)
-    assert dropped.slid
-    assert -0.05 * T < smooth.lowest[smooth.first] < 0
+    assert dropped.tyres_slid
+    assert -0.05 * T < smooth.lowest_torque[smooth.first_shaft] < 0
     for begun in (smooth, dropped):
         assert abs(begun.shares["joints"]) < 2.5e-3
     # Mode 1 in first gear, closed and slipping, where METHOD has 26 rpm and up to 106.
-    first = modes(parts.closed.line).frequency[0, 0, 1] / (2 * np.pi)
-    slipping = modes(parts.slipping.line).frequency[0, 0, 1] / (2 * np.pi)
+    first = torsional_modes(parts.closed.line).frequency[0, 0, 1] / (2 * np.pi)
+    slipping = torsional_modes(parts.slipping.line).frequency[0, 0, 1] / (2 * np.pi)
     assert 60 * first / 2 == pytest.approx(26, rel=0.04)
     assert 60 * slipping / 2 == pytest.approx(106, rel=0.01)
 
 
-def test_order_2_differs_from_shaft_to_shaft_and_reaches_little(method):
+@pytest.mark.slow
+def test_lowest_torque_of_launch_is_a_range_that_holds_published_integrations(method):
+    """METHOD 16: +27, -107 and -170 N.m with 7600, 7700 and 7800 kg, 1.3 % of grip apart.
+
+    They are of a truck whose inertias METHOD does not state, so that not the lowest torque but
+    its range has to hold them, and the verdict says that it may be the other one.
+    """
+    parts, _, (smooth, _) = method
+    low, high = smooth.lowest_range[:, smooth.first_shaft]
+    assert low < -170
+    assert high > 27
+    assert low <= smooth.lowest_torque[smooth.first_shaft] <= high
+    assert [a.name for a in smooth.assumed] == ["tyre.friction", "rolling resistance"]
+    assert (smooth.assumed[0].low, smooth.assumed[0].high) == pytest.approx((0.76, 0.84))
+    app = parts.application
+    assert app.is_given("tyre.friction")
+    limit = Limit(quantity="launch_reversal", normal=0.0, source=Source("Here"))
+    of = SimpleNamespace(
+        application=app, launches=[smooth], failed_launches=(),
+        lines=[SimpleNamespace(line=app.lines[0].line)],
+    )  # fmt: skip
+    ((check,), _) = check_limit(of, limit)
+    assert (check.grade, check.best_possible_grade) == ("warn", "pass")
+
+
+@pytest.mark.slow
+def test_order_2_torque_differs_between_shafts_and_is_small(method):
     """METHOD: 7.5 and 20 N.m in the two shafts; of angles that it does not state."""
     _, _, (smooth, _) = method
     shafts = [k for k, (_, p) in enumerate(smooth.springs) if p.kind == "shaft"]
-    one, other = (float(np.nanmax(smooth.order_2[k])) for k in shafts)
+    one, other = (float(np.nanmax(smooth.order2_amplitude[k])) for k in shafts)
     assert 3 < min(one, other) < max(one, other) < 40
     assert one != pytest.approx(other, rel=0.01)
 
 
 @pytest.mark.slow
-def test_a_heavy_6x4_peaks_below_its_torque_where_its_engine_is_heavy():
+def test_launch_peak_of_6x4_depends_on_engine_inertia():
     """METHOD: 0.84, dropped 1.14, 1.43 stuck, of an engine and a gear that it does not state.
 
     Once clutch and engine turn as one, T i is shared: the vehicle gets m r² of m r² + J_e i². In
     a crawler that is a fifth, so half a second gives far less than T i; in a gear of half its
     ratio, a half, and METHOD's order of numbers. Between them lies 0.84.
     """
-    app = files.read(EXAMPLES / "tandem-6x4.yaml")
-    parts = drivetrain(app)
-    asked = tuple(demand(x) for x in parts.lines)
+    app = reader.read(EXAMPLES / "tandem-6x4.yaml")
+    parts = vehicle_torsion_model(app)
+    asked = tuple(line_state_demand(x) for x in parts.lines)
     peaks = {}
     for gear in ("1", "3"):
         for ramp, capacity in ((0.5, 1.0), (0.05, 1.8)):
-            found = start(parts, asked, Launch(gear=gear, ramp=ramp, capacity=capacity))
+            found = simulate_launch(parts, asked, Launch(gear=gear, ramp=ramp, capacity=capacity))
             peaks[gear, ramp] = found.shares["ramp"]
             assert abs(found.shares["joints"]) < 4e-3
     assert peaks["1", 0.5] < 0.84 < peaks["3", 0.5] * 1.2
@@ -252,19 +283,20 @@ class Truck:
         return np.array([self.torques(q)[0]["shafts"][0] for q in y[:10].T])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("launch", "loses", "stuck"),
-    chief(
+    select(
         [(0, False, False), (1, False, False), (1, False, True), (1, True, False)], (1, False, True)
     ),
 )
-def test_a_launch_is_what_another_text_integrates(launch, loses, stuck):
+def test_launch_matches_independent_integration(launch, loses, stuck):
     """Events, rigid friction, gears that pass on a share: peak, and the whole course of torque.
 
     A thousandth of the peak is what a clutch's elastic grip, 50 times its damper, adds; of the
     course after a dropped clutch, whose tyres slide some milliseconds longer or less, ten.
     """
-    app = files.read(TRUCK)
+    app = reader.read(TRUCK)
     share = 0.95 if loses else 1.0
     axle = replace(app.lines[0].axle, efficiency=share)
     app = replace(
@@ -272,10 +304,14 @@ def test_a_launch_is_what_another_text_integrates(launch, loses, stuck):
         lines=(replace(app.lines[0], axle=axle),), launches=(app.launches[launch],),
     )  # fmt: skip
     parts, _, (mine,) = started(app)
-    one = Losses.of(parts, parts.closed).on(parts.closed.line.case([0], [0])).case(0)
+    one = (
+        GearLosses.from_powertrain(parts, parts.closed)
+        .apply_to(parts.closed.line.select_case([0], [0]))
+        .select_case(0)
+    )
     names = [p.kind for _, p in parts.closed.springs]
-    damping = part_damping(
-        one, modes(one), slide=[names.index("clutch disc"), names.index("tyres")]
+    damping = spring_parallel_damping_matrix(
+        one, torsional_modes(one), slide=[names.index("clutch disc"), names.index("tyres")]
     )
     counts = np.array([0.95, 1, 1 / 0.95])[[0, 0, 0, 1, 1, 1, 1, 2, 2, 2]] if loses else 1.0
     wanted = app.launches[0]
@@ -286,30 +322,30 @@ def test_a_launch_is_what_another_text_integrates(launch, loses, stuck):
     duration = 0.9
     torque = truck.run(duration)
     case = 4 if stuck else 3  # tyres that stick have joints and firing: a half per cent
-    course = mine.travel.torque[case, :, mine.first]
-    within = mine.travel.time < duration
+    course = mine.history.torque[case, :, mine.first_shaft]
+    within = mine.history.time < duration
     off = 6e-3 if stuck else 1.5e-3
     assert course[within].max() == pytest.approx(torque.max(), rel=off)
     assert torque.max() > (1.05 if launch else 0.95) * mine.torque
-    theirs = np.interp(mine.travel.time[within], truck.time, torque)
+    theirs = np.interp(mine.history.time[within], truck.time, torque)
     assert np.abs(course[within] - theirs).max() < (1.5e-2 if launch else 6e-3) * torque.max()
 
 
 @pytest.mark.slow
-def test_what_the_joints_add_to_a_launch_is_what_another_text_integrates():
+def test_joint_torque_in_launch_matches_independent_integration():
     """While the clutch slips, to a hundredth of what they add; an axle that does not pitch.
 
     From lock-up on a rigid friction and one with a grip lose each other's phase.
     """
-    app = files.read(TRUCK)
+    app = reader.read(TRUCK)
     app = replace(
         app, suspension=replace(app.suspension, windup_stiffness=1e9), launches=app.launches[:1]
     )
     parts, _, (mine,) = started(app)
-    one = parts.closed.line.case([0], [0]).case(0)
+    one = parts.closed.line.select_case([0], [0]).select_case(0)
     names = [p.kind for _, p in parts.closed.springs]
-    damping = part_damping(
-        one, modes(one), slide=[names.index("clutch disc"), names.index("tyres")]
+    damping = spring_parallel_damping_matrix(
+        one, torsional_modes(one), slide=[names.index("clutch disc"), names.index("tyres")]
     )
     bent, straight = (
         Truck(ramp=0.5, capacity=1.0, damping=damping, leads=leads, windup=1e9)
@@ -317,10 +353,10 @@ def test_what_the_joints_add_to_a_launch_is_what_another_text_integrates():
     )
     duration = 0.36
     theirs = bent.run(duration) - straight.run(duration)
-    k = mine.first
-    added = mine.travel.torque[2, :, k] - mine.travel.torque[3, :, k]
-    within = mine.travel.time < duration
-    assert mine.locked > duration
-    off = np.abs(added[within] - np.interp(mine.travel.time[within], bent.time, theirs)).max()
+    k = mine.first_shaft
+    added = mine.history.torque[2, :, k] - mine.history.torque[3, :, k]
+    within = mine.history.time < duration
+    assert mine.lockup_time > duration
+    off = np.abs(added[within] - np.interp(mine.history.time[within], bent.time, theirs)).max()
     assert np.abs(theirs).max() > 1e-3 * mine.torque
     assert off < np.abs(theirs).max() / 100

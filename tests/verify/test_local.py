@@ -7,13 +7,17 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from cardan.base.errors import DesignError
-from cardan.base.units import GPa, MPa
-from cardan.fatigue.local import Local, Material, common
-from cardan.fatigue.rainflow import discarded, half_cycles, rainflow, repeating
-from cardan.study.otherwise import Strained, strained
+from cardan.core.errors import DesignError
+from cardan.core.units import GPa, MPa
+from cardan.physics.fatigue.rainflow import discarded, half_cycles, rainflow, repeating
+from cardan.physics.fatigue.strain_life import (
+    CyclicMaterial,
+    NotchStrainTracker,
+    material_from_strain_life_curve,
+)
+from cardan.topics.recording.alternative_life_models import StrainLifeSettings, strain_life_damage
 
-STEEL = Material(
+STEEL = CyclicMaterial(
     modulus=206 * GPa, strength=900 * MPa, exponent=-0.09, ductility=0.6, ductility_exponent=-0.6,
     hardening=1000 * MPa, hardening_exponent=0.15,
 )  # fmt: skip
@@ -21,8 +25,8 @@ STEEL = Material(
 
 def strain_life(x, *, material, law="swt", notch=None):
     """Damage of a whole history, and its largest strain amplitude."""
-    follower = Local(material, largest=np.abs(x).max(), notch=notch)
-    loops = (follower.add(x), follower.rest())
+    follower = NotchStrainTracker(material, largest=np.abs(x).max(), notch=notch)
+    loops = (follower.update(x), follower.remaining_loops())
     largest = max(one.amplitude.max(initial=0.0) for one in loops)
     return sum(one.damage(material, law=law) for one in loops), largest
 
@@ -32,7 +36,7 @@ def strain(stress):
 
 
 @pytest.mark.parametrize("elastic", [50e6, 300e6, 900e6])
-def test_neuber_is_its_equation(elastic):
+def test_neuber_stress_satisfies_its_equation(elastic):
     kt = 2.2
     ours = float(STEEL.stress(np.array(elastic), notch=kt))
     theirs = brentq(lambda s: s * strain(s) - (kt * elastic) ** 2 / 206e9, 1.0, kt * elastic)
@@ -42,7 +46,7 @@ def test_neuber_is_its_equation(elastic):
 
 
 @pytest.mark.parametrize("law", ["swt", "morrow", "none"])
-def test_lives_solve_their_equations(law):
+def test_strain_life_satisfies_its_equation(law):
     amplitude, mean = 3e-3, 120e6
     top = mean + 350e6
 
@@ -54,18 +58,18 @@ def test_lives_solve_their_equations(law):
         return lift / 206e9 * two**-0.09 + 0.6 * two**-0.6 - amplitude
 
     theirs = np.exp(brentq(misfit, 0, 40)) / 2
-    ours = STEEL.cycles(*map(np.array, (amplitude, mean, top)), law)
+    ours = STEEL.cycles_to_failure(*map(np.array, (amplitude, mean, top)), law)
     assert float(ours) == pytest.approx(theirs, rel=1e-9)
 
 
 def loops(history, *, notch=None, cuts=()):
     x = np.array(history) * 1e6
-    follower = Local(STEEL, largest=np.abs(x).max(), notch=notch)
-    parts = [follower.add(part) for part in np.split(x, cuts)]
-    return parts, follower.rest()
+    follower = NotchStrainTracker(STEEL, largest=np.abs(x).max(), notch=notch)
+    parts = [follower.update(part) for part in np.split(x, cuts)]
+    return parts, follower.remaining_loops()
 
 
-def test_memory_by_hand():
+def test_masing_memory_matches_hand_calculation():
     """0, 400, -100, 200, -100 ... the inner loop hangs on the way down, and is forgotten."""
     parts, rest = loops([0, 400, -100, 200, -300, 400])
     (inner,) = [p for p in parts if p.amplitude.size]
@@ -88,7 +92,7 @@ def test_memory_by_hand():
     assert rest.mean[0] == pytest.approx((top + end) / 2, rel=1e-5)
 
 
-def test_an_overload_leaves_compression():
+def test_overload_reduces_mean_stress_of_later_cycles():
     """After a high crest the same cycles run at a lower mean, and live longer: Dowling, 14.5."""
     cycle = [100, 500] * 20
     plain, _ = strain_life(np.array([0, *cycle]) * 1e6, material=STEEL, notch=2.0)
@@ -97,7 +101,7 @@ def test_an_overload_leaves_compression():
     assert after - alone < 0.8 * plain
 
 
-def test_loops_are_those_of_rainflow():
+def test_hysteresis_loops_match_rainflow():
     x = 300 * np.random.default_rng(0).normal(size=4000)
     parts, rest = loops([0, *x], cuts=[17, 800, 2500])
     count = sum(p.count.sum() for p in (*parts, rest))
@@ -125,7 +129,8 @@ def ishlinskii(x, size):
     return np.array(out)
 
 
-def test_open_legs_are_from_strain_to_strain():
+@pytest.mark.slow
+def test_open_branches_follow_strain_path():
     """By stops: a leg of first loading had been taken for one of the doubled curve, 5 % of damage.
 
     40, -50 .. 310, -320 never closes: each leg lies on the curve of first loading.
@@ -140,14 +145,14 @@ def test_open_legs_are_from_strain_to_strain():
 
 
 @pytest.mark.slow
-def test_what_stays_open_counts_by_the_rule():
+def test_residue_damage_follows_selected_rule():
     """`repeat`: the second passage, by stops; all three had told the same."""
     x = np.array([0, 200, -70, 188, -60, 160, -50, 90, 10]) * 1e6
 
     def damage(rule):
-        of = Strained(material=STEEL, notch=2.2)
+        of = StrainLifeSettings(material=STEEL, notch_factor=2.2)
         pieces = lambda: iter(np.split(x[None], [3], axis=1))  # noqa: E731
-        ((told, _),) = strained(pieces, [np.abs(x).max()], of, rule=rule)
+        ((told, _),) = strain_life_damage(pieces, [np.abs(x).max()], of, rule=rule)
         return told
 
     twice = np.concatenate([x, x])
@@ -169,7 +174,7 @@ def test_what_stays_open_counts_by_the_rule():
             if k >= x.size:
                 size = np.array(abs(extent[one] - extent[other]) / 2)
                 top = np.array(max(local[one], local[other]))
-                done += 1 / float(STEEL.cycles(size, np.array(0.0), top, "swt"))
+                done += 1 / float(STEEL.cycles_to_failure(size, np.array(0.0), top, "swt"))
             del open_[-3:-1]
     assert damage(repeating) == pytest.approx(done, rel=1e-3)
     halves, closed = damage(half_cycles), damage(discarded)
@@ -177,9 +182,9 @@ def test_what_stays_open_counts_by_the_rule():
     assert closed == pytest.approx(0.0, abs=1e-12)  # each way is smaller than the one before
 
 
-def test_where_nothing_yields_it_is_basquin():
+def test_elastic_cycles_follow_basquin():
     """Small stresses: a line of slope -1/b, K_t a factor."""
-    hard = common(
+    hard = material_from_strain_life_curve(
         modulus=206 * GPa, strength=2000 * MPa, exponent=-0.1, ductility=1e-9,
         ductility_exponent=-0.6,
     )  # fmt: skip
@@ -190,8 +195,12 @@ def test_where_nothing_yields_it_is_basquin():
     assert damage == pytest.approx(49.5 * each, rel=0.02)
 
 
-def test_no_material_is_refused():
+def test_invalid_strain_life_material_is_rejected():
     with pytest.raises(DesignError, match="exponent of a strain-life curve"):
-        common(modulus=2e11, strength=9e8, exponent=0.1, ductility=0.5, ductility_exponent=-0.6)
+        material_from_strain_life_curve(
+            modulus=2e11, strength=9e8, exponent=0.1, ductility=0.5, ductility_exponent=-0.6
+        )
     with pytest.raises(DesignError, match="ductility of a strain-life curve"):
-        common(modulus=2e11, strength=9e8, exponent=-0.1, ductility=0, ductility_exponent=-0.6)
+        material_from_strain_life_curve(
+            modulus=2e11, strength=9e8, exponent=-0.1, ductility=0, ductility_exponent=-0.6
+        )

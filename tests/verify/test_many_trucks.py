@@ -9,7 +9,7 @@ import pytest
 from many_trucks import shares
 
 pytestmark = [
-    pytest.mark.oracle, pytest.mark.slow, pytest.mark.timeout(3600),
+    pytest.mark.oracle, pytest.mark.long, pytest.mark.timeout(3600),
     pytest.mark.filterwarnings("ignore"),
 ]  # fmt: skip
 
@@ -17,7 +17,7 @@ TRUCKS = range(45, 50)
 """Of those that nothing was set by; `many_trucks.py 0 50` asks all."""
 
 
-def test_nine_intervals_of_ten_hold_the_truth():
+def test_nine_of_ten_intervals_hold_truth():
     """Of ten numbers of a kind, four miss once in eighty times; of five, three once in 115."""
     pytest.importorskip("exudyn")
     told = shares(TRUCKS)

@@ -8,10 +8,14 @@ each difference to the next is the monodromy matrix, its eigenvalues the multipl
 import numpy as np
 import pytest
 
-from cardan.base.units import deg
-from cardan.dynamics.lateral import misaligned_shaft, rigid_shaft
-from cardan.dynamics.periodic import differentiation, growth, multipliers
-from cardan.dynamics.torsion import TorsionLine, about_forced_orbit, orbit
+from cardan.core.units import deg
+from cardan.physics.dynamics.floquet import differentiation_matrix, floquet_multipliers, growth_rate
+from cardan.physics.dynamics.lateral import misaligned_shaft_system, rigid_shaft_system
+from cardan.physics.dynamics.torsional_line import (
+    TorsionalLine,
+    linearised_about_periodic_motion,
+    periodic_motion,
+)
 
 pytestmark = [
     pytest.mark.oracle,
@@ -137,7 +141,7 @@ def torsion_run(line, speed, count, push):
 
     Starts on the forced orbit, its rates pushed off it a little.
     """
-    start = orbit(line, np.array(speed))
+    start = periodic_motion(line, np.array(speed))
     q, v = start.rotation[0], start.rate[0] + np.array(push[: line.size])
     beta = float(line.beta[0])
     d0, d1 = np.array([0.0, 0, 1]), np.array([0, np.sin(beta), np.cos(beta)])
@@ -181,21 +185,21 @@ TWO = {"stiffness": np.ones(2), "driving": np.ones(2), "driven": np.zeros(2)}
 @pytest.mark.parametrize(
     ("line", "speed"),
     [
-        (TorsionLine(beta=np.array([20 * deg]), damping=np.array([0.03]), **ONE), 1.0),
-        (TorsionLine(beta=np.array([20 * deg, 0]), damping=np.full(2, 0.01), **TWO), 0.618),
-        (TorsionLine(beta=np.array([20 * deg, 0]), damping=np.full(2, 0.005), **TWO), 1.118),
-        (TorsionLine(beta=np.array([20 * deg, 0]), damping=np.full(2, 0.01), **TWO), 1.618),
-        (TorsionLine(beta=np.array([30 * deg, 0]), damping=np.full(2, 0.02), **TWO), 1.3),
+        (TorsionalLine(beta=np.array([20 * deg]), damping=np.array([0.03]), **ONE), 1.0),
+        (TorsionalLine(beta=np.array([20 * deg, 0]), damping=np.full(2, 0.01), **TWO), 0.618),
+        (TorsionalLine(beta=np.array([20 * deg, 0]), damping=np.full(2, 0.005), **TWO), 1.118),
+        (TorsionalLine(beta=np.array([20 * deg, 0]), damping=np.full(2, 0.01), **TWO), 1.618),
+        (TorsionalLine(beta=np.array([30 * deg, 0]), damping=np.full(2, 0.02), **TWO), 1.3),
     ],
     ids=["one", "first", "sum", "second", "stable"],
 )
-def test_torsional_growth(line, speed):
+def test_torsional_growth_rate_matches_exudyn(line, speed):
     """The exact linearisation, about the forced orbit, is what the engine shows."""
     count, push = 20, 1e-4
     base = torsion_run(line, speed, count, (0.0, 0.0))
     other = torsion_run(line, speed, count, (push, 0.4 * push))
     rate = np.log(np.abs(mapped(other - base)).max()) * speed / np.pi
-    exact = growth(about_forced_orbit(line, speed))
+    exact = growth_rate(linearised_about_periodic_motion(line, speed))
     # The trapezoidal rule errs by (w h)² / 12 of a frequency: 2e-4 here.
     assert rate == pytest.approx(float(exact), abs=1e-4)
 
@@ -240,9 +244,9 @@ def lateral_run(
     [(0.5, 0.2, 1, 0.0, 16), (2.0, 0.2, 0, 0.0, 40), (3.0, 0.3, 1, 0.0, 40),
      (1.3, 0.3, 1, 0.15, 30), (1.0, 0.05, 1, 0.05, 24)],
 )  # fmt: skip
-def test_lateral_growth(speed, torque, follower, difference, count):
+def test_lateral_growth_rate_matches_exudyn(speed, torque, follower, difference, count):
     """Mazzei's flutter, his zone with a fixed load, and unequal bearings."""
-    shaft = rigid_shaft(
+    shaft = rigid_shaft_system(
         speed=speed, torque=torque, transverse_inertia=1.0, polar_inertia=0.1, stiffness=1.0,
         damping=0.05, stiffness_difference=difference, follower=follower,
     )  # fmt: skip
@@ -251,22 +255,22 @@ def test_lateral_growth(speed, torque, follower, difference, count):
         bearing=(1.0 + difference, 1.0 - difference), count=count,
     )  # fmt: skip
     found = mapped(states)
-    exact = multipliers(shaft.system)
+    exact = floquet_multipliers(shaft.periodic_system)
     rate = np.log(np.abs(found).max()) * speed / np.pi
-    assert rate == pytest.approx(float(growth(shaft.system)), abs=1e-4)
+    assert rate == pytest.approx(float(growth_rate(shaft.periodic_system)), abs=1e-4)
     assert np.abs(found[:, None] - exact).min(-1).max() < 0.02
 
 
 @pytest.mark.parametrize(
     ("speed", "torque", "beta"), [(0.7, 0.05, 25), (1.5, 0.03, 30), (0.7, 0.02, 30)]
 )
-def test_misaligned_shaft(speed, torque, beta):
+def test_misaligned_shaft_matches_exudyn(speed, torque, beta):
     """A shaft held at an angle, shaken twice a turn: two runs from beside its forced motion."""
     given = {"torque": torque, "damping": 0.05, "speed": speed}
-    shaft, swing = misaligned_shaft(
+    shaft, swing = misaligned_shaft_system(
         beta=beta * deg, transverse_inertia=1.0, polar_inertia=0.001, stiffness=(1.0, 1.1), **given
     )
-    moving = (differentiation(33) @ swing)[0] * speed / np.pi
+    moving = (differentiation_matrix(33) @ swing)[0] * speed / np.pi
     runs = [
         lateral_run(
             follower=True, inertia=(1.0, 0.001), bearing=(1.0, 1.1), count=10, beta=beta * deg,
@@ -278,4 +282,4 @@ def test_misaligned_shaft(speed, torque, beta):
     assert np.abs(runs[0][:, :2] - swing[0]).max() < 3e-3 * np.abs(swing).max()
     rate = np.log(np.abs(mapped(runs[1] - runs[0])).max()) * speed / np.pi
     # How spin answers to tilt is left out: of order I_a tan²β ~ 2e-4 of a frequency.
-    assert rate == pytest.approx(float(growth(shaft)), abs=2e-4)
+    assert rate == pytest.approx(float(growth_rate(shaft)), abs=2e-4)

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from shaken import LINE, Truth, shaken
 
-from cardan import files
-from cardan.demand.states import demand, resolve
-from cardan.quantity.points import Driven, driven
-from cardan.quantity.response import respond
+from cardan.application import reader
+from cardan.checks.drive_forces import TorqueSpeedTimeHistory, bearing_forces_over_time_history
+from cardan.checks.line_response import compute_line_response
+from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
 
 TRUTH = Truth(noise=0.0, unbalance=0.0, offset=0.0)
 TEXT = (
@@ -40,8 +40,10 @@ def ramp(seconds: float, *, most: float = 2600.0, top: float = 12.0, ripple: flo
 
 
 def line(text=TEXT):
-    application = files.loads(text)
-    return respond(application, demand(resolve(application, application.lines[0])))
+    application = reader.loads(text)
+    return compute_line_response(
+        application, line_state_demand(resolve_line_references(application, application.lines[0]))
+    )
 
 
 def both(seconds, *, truth=TRUTH, text=TEXT, **asked):
@@ -49,11 +51,11 @@ def both(seconds, *, truth=TRUTH, text=TEXT, **asked):
     rate, inner = 1000.0, 4
     told = shaken(truth, seconds=0.0, rate=rate, inner=inner, drive=ramp(seconds, **asked))
     turns = told.turns - TRUTH.offset / (2 * np.pi)
-    steady, passed = driven(
-        line(text),
-        Driven(
+    steady, passed = bearing_forces_over_time_history(
+        line(text).mounts,
+        TorqueSpeedTimeHistory(
             time=np.arange(turns.size) / rate,
-            turned=2 * np.pi * turns,
+            input_angle=2 * np.pi * turns,
             torque=told.torque,
             speed=2 * np.pi * told.speed,
         ),
@@ -62,8 +64,9 @@ def both(seconds, *, truth=TRUTH, text=TEXT, **asked):
     return np.linalg.norm(told.force, axis=-1), passed[:, 0], steady[:, 0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seconds", [1.2, 3.0, 8.0])
-def test_the_force_as_a_line_passes_through(seconds):
+def test_force_while_passing_resonance_matches_integration(seconds):
     theirs, ours, steady = both(seconds)
     # Small motions, and steps of a millisecond against order 2 at 24 Hz: (0.15)²/12 each.
     assert np.abs(ours - theirs).max() < 0.02 * theirs.max()
@@ -72,7 +75,7 @@ def test_the_force_as_a_line_passes_through(seconds):
 
 
 @pytest.mark.slow
-def test_whoever_passes_slowly_gets_what_lasts():
+def test_slow_passage_reaches_steady_state_force():
     """The steady peak is a bound: mean and ellipse where they add up."""
     _, quick, steady = both(3.0, ripple=0.0)
     _, slow, same = both(60.0, ripple=0.0)
@@ -81,8 +84,9 @@ def test_whoever_passes_slowly_gets_what_lasts():
     assert quick.max() < 0.9 * slow.max()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*longer than its shaft")
-def test_a_line_that_passes_through_is_twisted_by_its_torque():
+def test_line_passing_resonance_is_twisted_by_torque():
     """As far as by 20 m of tube, 4 deg of each shaft: G J / L of a ring by hand."""
     rigidity = 900e9 / 2.6 * np.pi / 32 * (0.1**4 - 0.094**4)
     soft = TEXT.replace("      phase_deg: 0", "      tube_length_mm: 20000\n      phase_deg: 0")

@@ -8,20 +8,25 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import mathieu_a, mathieu_b
 
-from cardan.dynamics.chart import boundary, curve, edges, tongue
-from cardan.dynamics.periodic import (
-    Periodic,
-    differentiation,
-    exponents,
-    growth,
+from cardan.physics.dynamics.floquet import (
+    PeriodicSystem,
+    differentiation_matrix,
+    evaluate_in_chunks,
+    floquet_exponents,
+    floquet_modes,
+    floquet_multipliers,
+    growth_rate,
     hill_determinant,
     hill_multipliers,
-    liouville,
-    modes,
-    monodromy,
-    multipliers,
-    over,
-    response,
+    liouville_determinant,
+    monodromy_matrix,
+    periodic_response,
+)
+from cardan.physics.dynamics.stability_chart import (
+    find_zeros,
+    instability_tongue,
+    trace_zero_contour_from_point,
+    zero_contour,
 )
 
 RNG = np.random.default_rng(5)
@@ -31,7 +36,7 @@ PARTS = 0.15 * RNG.normal(size=(5, 2, 2))
 def mathieu(a, q=1.0, damping=0.0):
     """y'' + c y' + (a - 2 q cos 2t) y = 0."""
     a, q = np.broadcast_arrays(np.asarray(a, float), np.asarray(q, float))
-    return Periodic(
+    return PeriodicSystem(
         period=np.full(a.shape, np.pi),
         matrices=lambda t: (
             np.eye(1),
@@ -44,7 +49,7 @@ def mathieu(a, q=1.0, damping=0.0):
 def shaken(periods=(2.0, 3.5)):
     """Two coordinates with everything periodic: mass, damping, gyroscopic, stiffness."""
     wave = lambda f, t: f(2 * np.pi * t)[:, None, None]  # noqa: E731
-    return Periodic(
+    return PeriodicSystem(
         period=np.asarray(periods),
         matrices=lambda t: (
             np.eye(2) + wave(np.cos, t) * PARTS[0],
@@ -68,17 +73,17 @@ def matched(a, b):
         (3.917025, mathieu_b(2, 1)),
     ],
 )
-def test_mathieu_values(printed, exact):
-    trace = lambda a: np.trace(monodromy(mathieu(a), tolerance=1e-12), axis1=-2, axis2=-1)  # noqa: E731
-    found = edges(lambda a: np.abs(trace(a)) - 2, between=(-1, 4.2))
+def test_characteristic_values_match_mathieu_tables(printed, exact):
+    trace = lambda a: np.trace(monodromy_matrix(mathieu(a), tolerance=1e-12), axis1=-2, axis2=-1)  # noqa: E731
+    found = find_zeros(lambda a: np.abs(trace(a)) - 2, between=(-1, 4.2))
     nearest = found[np.abs(found - printed).argmin()]
     assert nearest == pytest.approx(printed, abs=5e-7)  # its printed digits
     assert nearest == pytest.approx(float(exact), abs=1e-9)
 
 
-def test_monodromy_agrees_with_a_general_integrator():
+def test_monodromy_matches_general_integrator():
     system = shaken()
-    P = monodromy(system, tolerance=1e-11)
+    P = monodromy_matrix(system, tolerance=1e-11)
     for k, period in enumerate(system.period):
 
         def rate(t, z, period=period):
@@ -93,28 +98,30 @@ def test_monodromy_agrees_with_a_general_integrator():
         np.testing.assert_allclose(P[k], done.y[:, -1].reshape(4, 4), atol=3e-10)
 
 
-def test_liouville():
+def test_monodromy_determinant_satisfies_liouville():
     system = shaken()
-    np.testing.assert_allclose(np.linalg.det(monodromy(system)), liouville(system), rtol=1e-9)
+    np.testing.assert_allclose(
+        np.linalg.det(monodromy_matrix(system)), liouville_determinant(system), rtol=1e-9
+    )
 
 
-def test_hill_agrees_with_the_monodromy_matrix():
+def test_hill_exponents_match_monodromy_matrix():
     for system in (shaken(), mathieu([0.3, 2.6], damping=0.1)):
-        found, exact = hill_multipliers(system), multipliers(system, tolerance=1e-12)
+        found, exact = hill_multipliers(system), floquet_multipliers(system, tolerance=1e-12)
         assert matched(found, exact) < 1e-8
 
 
-def test_hill_determinant_is_zero_at_an_exponent():
+def test_hill_determinant_vanishes_at_exponent():
     system = shaken()
     for k in range(4):
-        assert np.abs(hill_determinant(system, exponents(system)[:, k])).max() < 1e-8
+        assert np.abs(hill_determinant(system, floquet_exponents(system)[:, k])).max() < 1e-8
     assert np.abs(hill_determinant(system, np.full(2, 0.3 + 0.2j))).min() > 0.1
 
 
-def test_modes_obey_the_equation():
+def test_floquet_modes_satisfy_equation():
     """p of q = e^{λt} p is put back into the equation, differentiated spectrally."""
     system = shaken()
-    rates, shapes = modes(system, samples=64)
+    rates, shapes = floquet_modes(system, samples=64)
     k = np.fft.fftfreq(64, 1 / 64)
     for case, period in enumerate(system.period):
         M, C, K = system.matrices(np.arange(64) / 64)
@@ -127,13 +134,13 @@ def test_modes_obey_the_equation():
             assert np.abs(left).max() < 1e-6 * np.abs(a).max()
 
 
-def test_response_repeats():
+def test_periodic_response_repeats_after_one_period():
     """The state the response starts from comes back after a period of plain integration."""
     system = shaken()
     phase = np.arange(41) / 41
     force = np.stack([np.cos(2 * np.pi * phase), 0.3 + np.sin(4 * np.pi * phase)], -1)
-    q = response(system, force)
-    v = np.einsum("ij,...ja->...ia", differentiation(41), q) / system.period[:, None, None]
+    q = periodic_response(system, force)
+    v = np.einsum("ij,...ja->...ia", differentiation_matrix(41), q) / system.period[:, None, None]
     for k, period in enumerate(system.period):
 
         def rate(t, z, period=period):
@@ -147,22 +154,24 @@ def test_response_repeats():
         np.testing.assert_allclose(done.y[:, -1], start, atol=1e-8)
 
 
-def test_a_chart_is_its_boundary():
+@pytest.mark.slow
+def test_stability_chart_boundary_has_zero_margin():
     """Refined boundary, continued curve and damped Mathieu equation agree."""
-    margin = lambda a, q: over(  # noqa: E731
-        lambda a, q: growth(mathieu(a, q, 0.1)), a, q
+    margin = lambda a, q: evaluate_in_chunks(  # noqa: E731
+        lambda a, q: growth_rate(mathieu(a, q, 0.1)), a, q
     )
-    line = boundary(margin, x=(-0.5, 2.0), y=(0.0, 0.8), start=(8, 8), levels=3)
+    line = zero_contour(margin, x=(-0.5, 2.0), y=(0.0, 0.8), start=(8, 8), levels=3)
     assert np.abs(margin(*line.points.T)).max() < 1e-6
-    assert line.evaluations < 0.6 * 65 * 65 + 15 * len(line.pieces)
+    assert line.evaluations < 0.6 * 65 * 65 + 15 * len(line.segments)
     tongue = line.points[line.points[:, 0] > 0.6]  # left of it is divergence, a < -q²/2
     tip = tongue[tongue[:, 1].argmin()]
-    followed = curve(margin, start=tip, x=(-0.5, 2.0), y=(0.0, 0.8))
+    followed = trace_zero_contour_from_point(margin, start=tip, x=(-0.5, 2.0), y=(0.0, 0.8))
     # First-order theory: the tongue at a = 1 opens at q = c; second order is c²/8.
     assert followed[:, 1].min() == pytest.approx(0.1, rel=0.01)
 
 
-def test_a_narrow_tongue_is_followed_to_its_tip():
+@pytest.mark.slow
+def test_narrow_instability_tongue_is_traced_to_its_tip():
     """Damped Mathieu, c 0.01: at a = 1 it opens at q = c, at a = 4 near q = √(4c) (DLMF 28.6).
 
     a_2 - b_2 = q²/2 there, so q² / 4 = 2 c to first order. A grid's cells end it higher,
@@ -171,10 +180,10 @@ def test_a_narrow_tongue_is_followed_to_its_tip():
     c = 0.01
 
     def margin(a, q):
-        return growth(mathieu(a, q, c))
+        return growth_rate(mathieu(a, q, c))
 
-    first = tongue(margin, centre=1.0, x=(0.2, 5.0), y=(0.0, 0.5))
-    second = tongue(margin, centre=4.0, x=(0.2, 5.0), y=(0.0, 1.0), reach=0.1)
+    first = instability_tongue(margin, centre=1.0, x=(0.2, 5.0), y=(0.0, 0.5))
+    second = instability_tongue(margin, centre=4.0, x=(0.2, 5.0), y=(0.0, 1.0), reach=0.1)
     assert first.tip[1] == pytest.approx(c, rel=1e-3)
     assert first.tip[0] == pytest.approx(1.0, abs=1e-3)
     assert second.tip[1] == pytest.approx(np.sqrt(8 * c), rel=0.02)
@@ -184,26 +193,28 @@ def test_a_narrow_tongue_is_followed_to_its_tip():
         # Just below its tip nothing grows, however near one looks.
         near = found.tip[0] + np.linspace(-0.02, 0.02, 401)
         assert margin(near, np.full(401, 0.99 * found.tip[1])).max() < 0
-    assert tongue(margin, centre=2.5, x=(0.2, 5.0), y=(0.0, 1.0), reach=0.02) is None
+    assert instability_tongue(margin, centre=2.5, x=(0.2, 5.0), y=(0.0, 1.0), reach=0.02) is None
     # The edges of the wide end are Mathieu's own, but for the damping.
     assert first.low[0, 0] == pytest.approx(float(mathieu_b(1, 0.5)), abs=2e-4)
     assert first.high[0, 0] == pytest.approx(float(mathieu_a(1, 0.5)), abs=2e-4)
 
 
-def test_a_case_without_an_answer_ends_nothing():
+def test_case_without_solution_gives_nan_for_that_case_only():
     system = mathieu(np.array([0.3, np.nan, 2.6]), damping=0.1)
-    found = growth(system)
-    alone = growth(mathieu(np.array([0.3, 2.6]), damping=0.1))
+    found = growth_rate(system)
+    alone = growth_rate(mathieu(np.array([0.3, 2.6]), damping=0.1))
     np.testing.assert_allclose(found[[0, 2]], alone, rtol=1e-12)
     assert np.isnan(found[1])
     # Nor is a zero looked for beside it.
     np.testing.assert_allclose(
-        edges(lambda x: np.where(abs(x - 0.25) < 0.2, np.nan, x - 0.7), between=(0, 1)), [0.7]
+        find_zeros(lambda x: np.where(abs(x - 0.25) < 0.2, np.nan, x - 0.7), between=(0, 1)), [0.7]
     )
 
 
-def test_a_closed_curve_closes():
-    round_trip = curve(lambda x, y: x**2 + 4 * y**2 - 1, start=(1, 0.1), x=(-2, 2), y=(-2, 2))
+def test_closed_boundary_curve_closes():
+    round_trip = trace_zero_contour_from_point(
+        lambda x, y: x**2 + 4 * y**2 - 1, start=(1, 0.1), x=(-2, 2), y=(-2, 2)
+    )
     np.testing.assert_array_equal(round_trip[0], round_trip[-1])
     np.testing.assert_allclose((round_trip**2 @ [1, 4]), 1, atol=1e-9)
     steps = np.diff(round_trip, axis=0)

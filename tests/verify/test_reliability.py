@@ -5,17 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from cardan.base.errors import NotConverged
-from cardan.fatigue.crack import paris_cycles
-from cardan.fatigue.reliability import (
-    Gumbel,
+from cardan.core.errors import ConvergenceError
+from cardan.physics.fatigue.crack_growth import paris_cycles
+from cardan.physics.fatigue.reliability import (
     Lognormal,
     Normal,
-    Weibull,
-    form,
+    first_order_reliability,
     monte_carlo,
-    sn_limit,
-    sorm,
+    second_order_reliability,
+    sn_limit_state,
 )
 
 VARIABLES = (
@@ -23,26 +21,30 @@ VARIABLES = (
     Lognormal(median=1.0, cov=0.3),
     Lognormal(median=1.0, cov=0.2),
 )
-LIMIT = sn_limit(slope=3, load=1e11)
+LIMIT = sn_limit_state(slope=3, load=1e11)
 
 
-def test_lognormal_sn_limit_is_exact():
-    answer = form(LIMIT, VARIABLES)
+def test_lognormal_sn_limit_state_matches_closed_form():
+    answer = first_order_reliability(LIMIT, VARIABLES)
     by_hand = math.log(10) / math.sqrt(math.log(1.16) + math.log(1.09) + 9 * math.log(1.04))
     assert by_hand == pytest.approx(3.00386675, abs=5e-9)
     assert answer.beta == pytest.approx(by_hand, rel=1e-9)
-    assert answer.failure == pytest.approx(1.33286e-3, abs=5e-9)
+    assert answer.failure_probability == pytest.approx(1.33286e-3, abs=5e-9)
     shares = np.log([1.16, 1.09, 1.04]) * [1, 1, 9]
     np.testing.assert_allclose(answer.importance, shares / shares.sum(), rtol=1e-6)
-    assert abs(LIMIT(answer.point)) < 1e-7
+    assert abs(LIMIT(answer.design_point)) < 1e-7
 
 
-def test_monte_carlo_covers_it():
+def test_monte_carlo_estimate_covers_exact_probability():
     plain = monte_carlo(LIMIT, VARIABLES, samples=400_000, seed=1)
-    assert abs(plain.failure - 1.33286e-3) < 4 * plain.error
-    near = monte_carlo(LIMIT, VARIABLES, samples=20_000, seed=1, around=form(LIMIT, VARIABLES))
-    assert abs(near.failure - 1.33286e-3) < 4 * near.error
-    assert near.error < plain.error / 2  # twenty times fewer samples, and still surer
+    assert abs(plain.failure_probability - 1.33286e-3) < 4 * plain.standard_error
+    near = monte_carlo(
+        LIMIT, VARIABLES, samples=20_000, seed=1, around=first_order_reliability(LIMIT, VARIABLES)
+    )
+    assert abs(near.failure_probability - 1.33286e-3) < 4 * near.standard_error
+    assert (
+        near.standard_error < plain.standard_error / 2
+    )  # twenty times fewer samples, and still surer
     assert near.beta == pytest.approx(3.00386675, abs=0.02)
 
 
@@ -61,7 +63,7 @@ CRACK = (
 
 @pytest.mark.oracle
 @pytest.mark.filterwarnings("ignore")
-def test_curved_limit_is_openturns():
+def test_form_of_curved_limit_state_matches_openturns():
     import openturns as ot
 
     def lognormal(v):
@@ -80,42 +82,29 @@ def test_curved_limit_is_openturns():
     study = ot.FORM(solver, event)
     study.run()
     theirs = study.getResult().getHasoferReliabilityIndex()
-    assert form(crack_limit, CRACK).beta == pytest.approx(theirs, rel=2e-6)
+    assert first_order_reliability(crack_limit, CRACK).beta == pytest.approx(theirs, rel=2e-6)
 
 
-def test_curved_limit_by_sampling():
-    answer = form(crack_limit, CRACK)
+def test_form_of_curved_limit_state_matches_sampling():
+    answer = first_order_reliability(crack_limit, CRACK)
     sampled = monte_carlo(crack_limit, CRACK, samples=40_000, seed=2, around=answer)
     # First order: right in the index to a per cent or two, not in the last digit.
     assert sampled.beta == pytest.approx(answer.beta, rel=0.02)
 
 
-def test_variables_have_their_quantiles():
-    u = np.array([-2.0, 0.0, 1.5])
-    from scipy import stats
-
-    p = stats.norm.cdf(u)
-    np.testing.assert_allclose(
-        Weibull(scale=2, shape=1.5).value(u), stats.weibull_min.ppf(p, 1.5, scale=2), rtol=1e-12
-    )
-    np.testing.assert_allclose(
-        Gumbel(mode=3, scale=0.5).value(u), stats.gumbel_r.ppf(p, 3, 0.5), rtol=1e-12
-    )
-
-
-def test_failing_at_the_median_has_a_negative_index():
-    answer = form(sn_limit(slope=3, load=1e13), VARIABLES)
+def test_failure_at_median_gives_negative_reliability_index():
+    answer = first_order_reliability(sn_limit_state(slope=3, load=1e13), VARIABLES)
     assert answer.beta == pytest.approx(-3.00386675, abs=1e-8)
-    assert answer.failure == pytest.approx(1 - 1.33286e-3, abs=5e-9)
+    assert answer.failure_probability == pytest.approx(1 - 1.33286e-3, abs=5e-9)
 
 
-def test_no_design_point_is_said():
-    with pytest.raises(NotConverged, match="limit state"):
-        form(lambda x: 1 + 0 * x[..., 0], (Normal(mean=0, deviation=1),))
+def test_missing_design_point_is_reported():
+    with pytest.raises(ConvergenceError, match="limit state"):
+        first_order_reliability(lambda x: 1 + 0 * x[..., 0], (Normal(mean=0, deviation=1),))
 
 
 @pytest.mark.parametrize(("beta", "bend"), [(3.0, 0.3), (2.0, -0.15), (3.5, 1.0)])
-def test_second_order_of_a_parabola(beta, bend):
+def test_sorm_of_parabolic_limit_state_matches_quadrature(beta, bend):
     """g = β - u1 + κ u2²/2: Pf = ∫ Φ(-β - κ v²/2) φ(v) dv, by quadrature."""
     from scipy.integrate import quad
     from scipy.stats import norm
@@ -124,42 +113,50 @@ def test_second_order_of_a_parabola(beta, bend):
         return beta - x[..., 0] + bend / 2 * x[..., 1] ** 2
 
     both = (Normal(mean=0.0, deviation=1.0),) * 2
-    first = form(limit, both)
+    first = first_order_reliability(limit, both)
     assert first.beta == pytest.approx(beta, rel=1e-6)
-    second = sorm(limit, both, around=first)
+    second = second_order_reliability(limit, both, around=first)
     assert second.curvatures == pytest.approx([bend], rel=1e-5)
     exact, _ = quad(lambda v: norm.cdf(-beta - bend / 2 * v * v) * norm.pdf(v), -9, 9)
     # Asymptotic: some per cent, where first order misses by 12 to 140 %.
-    assert second.failure == pytest.approx(exact, rel=0.03)
-    assert abs(first.failure / exact - 1) > 4 * abs(second.failure / exact - 1)
+    assert second.failure_probability == pytest.approx(exact, rel=0.03)
+    assert abs(first.failure_probability / exact - 1) > 4 * abs(
+        second.failure_probability / exact - 1
+    )
 
 
 @pytest.mark.parametrize("beta", [30.0, -30.0])
-def test_what_hardly_ever_fails_has_odds_and_what_always_does(beta):
+def test_extreme_failure_probabilities_keep_precision(beta):
     """Φ(-30) is 5e-198, not 0: 1 - Φ(30) is, and by that second order divided."""
     from scipy.stats import norm
 
     both = (Normal(mean=0.0, deviation=1.0),) * 2
-    first = form(lambda x: beta - x[..., 0], both, tolerance=1e-6)
-    second = sorm(lambda x: beta - x[..., 0], both, around=first)
-    assert [first.failure, second.failure] == pytest.approx(2 * [norm.sf(beta)], rel=1e-3, abs=0)
+    first = first_order_reliability(lambda x: beta - x[..., 0], both, tolerance=1e-6)
+    second = second_order_reliability(lambda x: beta - x[..., 0], both, around=first)
+    assert [first.failure_probability, second.failure_probability] == pytest.approx(
+        2 * [norm.sf(beta)], rel=1e-3, abs=0
+    )
 
 
-def test_second_order_of_a_crack_is_nearer():
-    first = form(crack_limit, CRACK)
-    second = sorm(crack_limit, CRACK, around=first)
+def test_sorm_of_crack_is_closer_to_sampling_than_form():
+    first = first_order_reliability(crack_limit, CRACK)
+    second = second_order_reliability(crack_limit, CRACK, around=first)
     sampled = monte_carlo(crack_limit, CRACK, samples=400_000, seed=2, around=first)
-    assert second.failure == pytest.approx(sampled.failure, rel=0.02)
-    assert abs(first.failure / sampled.failure - 1) > 2 * abs(second.failure / sampled.failure - 1)
+    assert second.failure_probability == pytest.approx(sampled.failure_probability, rel=0.02)
+    assert abs(first.failure_probability / sampled.failure_probability - 1) > 2 * abs(
+        second.failure_probability / sampled.failure_probability - 1
+    )
 
 
-def test_second_order_of_a_plane_is_first_order():
-    first = form(LIMIT, VARIABLES)
-    assert sorm(LIMIT, VARIABLES, around=first).failure == pytest.approx(first.failure, rel=1e-5)
+def test_sorm_of_planar_limit_state_equals_form():
+    first = first_order_reliability(LIMIT, VARIABLES)
+    assert second_order_reliability(
+        LIMIT, VARIABLES, around=first
+    ).failure_probability == pytest.approx(first.failure_probability, rel=1e-5)
 
 
 @pytest.mark.parametrize(("off", "radius", "inside"), [(6.0, 10.0, False), (9.0, 5.5, True)])
-def test_second_order_of_a_sphere(off, radius, inside):
+def test_sorm_of_spherical_limit_state_matches_closed_form(off, radius, inside):
     """Failing outside a sphere about (-off, 0, 0, 0), or inside: non-central chi-squared.
 
     It bends by 1/radius everywhere, towards the median from inside it and away from outside.
@@ -171,25 +168,27 @@ def test_second_order_of_a_sphere(off, radius, inside):
         return away - radius if inside else radius - away
 
     four = (Normal(mean=0.0, deviation=1.0),) * 4
-    first = form(limit, four)
+    first = first_order_reliability(limit, four)
     assert first.beta == pytest.approx(abs(radius - off), rel=1e-6)
-    second = sorm(limit, four, around=first)
+    second = second_order_reliability(limit, four, around=first)
     bend = 1 / radius if inside else -1 / radius
     assert second.curvatures == pytest.approx([bend] * 3, rel=1e-5)
     law = ncx2(4, off**2)
     exact = law.cdf(radius**2) if inside else law.sf(radius**2)
-    assert second.failure == pytest.approx(exact, rel=0.07)
-    assert abs(math.log(first.failure / exact)) > 8 * abs(math.log(second.failure / exact))
+    assert second.failure_probability == pytest.approx(exact, rel=0.07)
+    assert abs(math.log(first.failure_probability / exact)) > 8 * abs(
+        math.log(second.failure_probability / exact)
+    )
 
 
-def test_a_point_is_found_as_near_as_differences_tell():
+def test_design_point_is_found_to_finite_difference_precision():
     """It was given up as one where no step leads nearer, 1e-9 beside it."""
 
     def limit(x):
         u, v, w = x[..., 0], x[..., 1], x[..., 2]
         return 3 - u + 0.2 * v**2 - 0.05 * w**2 + 0.1 * v * w + 0.01 * u * v
 
-    found = form(limit, (Normal(mean=0.0, deviation=1.0),) * 3)
+    found = first_order_reliability(limit, (Normal(mean=0.0, deviation=1.0),) * 3)
     u, v, w = found.u
     slope = np.array([-1 + 0.01 * v, 0.4 * v + 0.1 * w + 0.01 * u, -0.1 * w + 0.1 * v])
     assert limit(found.u) == pytest.approx(0, abs=1e-8)
@@ -199,7 +198,7 @@ def test_a_point_is_found_as_near_as_differences_tell():
 
 @pytest.mark.oracle
 @pytest.mark.filterwarnings("ignore")
-def test_second_order_is_openturns():
+def test_sorm_matches_openturns():
     """Their main curvatures and the same correction, of a surface bent by two and twisted."""
     import openturns as ot
 
@@ -218,9 +217,11 @@ def test_second_order_is_openturns():
     study.run()
     theirs = study.getResult()
     three = (Normal(mean=0.0, deviation=1.0),) * 3
-    ours = sorm(limit, three, around=form(limit, three))
+    ours = second_order_reliability(limit, three, around=first_order_reliability(limit, three))
     np.testing.assert_allclose(
         np.sort(np.abs(ours.curvatures)),
         np.sort(np.abs(np.array(theirs.getSortedCurvatures())))[-2:], rtol=1e-4,
     )  # fmt: skip
-    assert ours.failure == pytest.approx(theirs.getEventProbabilityHohenbichler(), rel=1e-4)
+    assert ours.failure_probability == pytest.approx(
+        theirs.getEventProbabilityHohenbichler(), rel=1e-4
+    )

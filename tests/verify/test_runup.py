@@ -4,11 +4,17 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from cardan.base.errors import NotConverged
-from cardan.dynamics.runup import Driven, fates, limited_power, passage, swept
+from cardan.core.errors import ConvergenceError
+from cardan.physics.dynamics.run_up import (
+    MotorDrivenShaft,
+    fates,
+    limited_power_run_up,
+    passage,
+    swept_response,
+)
 
 
-def test_printed_peaks():
+def test_peaks_match_lewis_and_mazzei():
     found = passage(rate=np.array([0.001, 0.01]), damping_ratio=np.array([0.0, 0.01]))
     assert found.peak[0] == pytest.approx(46.156, abs=5e-4)
     assert found.frequency[0] == pytest.approx(1.068, abs=5e-4)
@@ -18,7 +24,7 @@ def test_printed_peaks():
 @pytest.mark.parametrize(
     ("start", "rate", "zeta"), [(0, 0.01, 0.01), (2, -0.01, 0.02), (0.3, 0.05, 0)]
 )
-def test_closed_form_is_the_differential_equation(start, rate, zeta):
+def test_closed_form_satisfies_differential_equation(start, rate, zeta):
     t = np.linspace(0, 1.9 / abs(rate), 60)
     steady = 1 / (1 - start**2 + 2j * zeta * start)
     done = solve_ivp(
@@ -26,11 +32,12 @@ def test_closed_form_is_the_differential_equation(start, rate, zeta):
         (0, t[-1]), [steady.real, (1j * start * steady).real],
         t_eval=t, method="DOP853", rtol=1e-11, atol=1e-11,
     )  # fmt: skip
-    exact = swept(t, rate=rate, damping_ratio=zeta, start=start).real
+    exact = swept_response(t, rate=rate, damping_ratio=zeta, start=start).real
     np.testing.assert_allclose(exact, done.y[0], atol=2e-9)
 
 
-def test_a_slow_sweep_is_the_steady_response():
+@pytest.mark.slow
+def test_slow_sweep_approaches_steady_response():
     """It falls short by rate / 2 zeta: the response lags its steady curve by that."""
     zeta, rate = 0.05, 1e-5
     exact = 1 / (2 * zeta * np.sqrt(1 - zeta**2))
@@ -38,7 +45,7 @@ def test_a_slow_sweep_is_the_steady_response():
     assert short == pytest.approx(rate / (2 * zeta), rel=0.15)
 
 
-def test_faster_is_lower_later_and_shorter():
+def test_faster_run_up_has_lower_later_and_shorter_peak():
     up = passage(rate=np.array([0.0005, 0.002, 0.008]), damping_ratio=0.01)
     assert np.all(np.diff(up.peak) < 0)
     assert np.all(np.diff(up.frequency) > 0)
@@ -49,24 +56,27 @@ def test_faster_is_lower_later_and_shorter():
 
 
 def line(power, beta=20):
-    return Driven(
+    return MotorDrivenShaft(
         power=power, stall_torque=100, motor=0.2, wheel=1, stiffness=2000, damping=0.05,
         drag=0.01, beta=np.radians(beta),
     )  # fmt: skip
 
 
 @pytest.mark.slow
-def test_a_weak_motor_is_captured_at_half_the_torsional_frequency():
+def test_weak_motor_is_captured_at_half_torsional_frequency():
     """120 W would carry the drag to 110 rad/s; the joint holds it at 54.8, half of 109.5."""
     weak = line(120)
-    stuck = limited_power(weak, duration=40)
+    stuck = limited_power_run_up(weak, duration=40)
     assert weak.top_speed == pytest.approx(109.5, abs=0.1)
     assert stuck.mean_speed == pytest.approx(weak.frequency / 2, rel=0.02)
-    assert limited_power(line(120, beta=2), duration=40).mean_speed > 1.2 * weak.frequency / 2
+    assert (
+        limited_power_run_up(line(120, beta=2), duration=40).mean_speed > 1.2 * weak.frequency / 2
+    )
 
 
 @pytest.mark.slow
-def test_whether_a_motor_gets_through_depends_on_where_it_starts():
+@pytest.mark.long
+def test_capture_of_motor_depends_on_start_angle():
     """120 W: caught at half, from everywhere; 400 W: at the frequency itself, from 7 of 8.
 
     The eighth gets past. 1500 W gets through from everywhere.
@@ -75,24 +85,26 @@ def test_whether_a_motor_gets_through_depends_on_where_it_starts():
     assert str(weak) == "caught at half, 4 of 4"
     np.testing.assert_allclose(weak.mean_speed, line(120).frequency / 2, rtol=0.02)
     assert str(middling) == "caught, 7 of 8"
-    caught = [v for v, f in zip(middling.mean_speed, middling.each, strict=True) if f == "caught"]
+    caught = [
+        v for v, f in zip(middling.mean_speed, middling.outcomes, strict=True) if f == "caught"
+    ]
     np.testing.assert_allclose(caught, 109.0, atol=0.6)
     assert str(fates(line(1500))) == "through, 8 of 8"
 
 
 @pytest.mark.slow
-def test_all_angles_together_are_each_by_itself():
+def test_batched_start_angles_equal_single_runs():
     """Steps of equal length against an adaptive integrator of eighth order, while it is caught.
 
     After 18 s and some 130 turns both have come as far to a few parts in ten thousand.
     """
     many = fates(line(120), duration=18, phases=2)
     for angle, speed in zip(many.angle, many.mean_speed, strict=True):
-        one = limited_power(line(120), duration=18, start_angle=float(angle), samples=12001)
+        one = limited_power_run_up(line(120), duration=18, start_angle=float(angle), samples=12001)
         assert speed == pytest.approx(one.mean_speed, rel=5e-4)
     assert abs(many.mean_speed[0] / many.mean_speed[1] - 1) > 1e-3  # the start is not forgotten
 
 
-def test_a_run_up_cut_short_has_no_verdict():
-    with pytest.raises(NotConverged, match="give it a longer duration"):
+def test_incomplete_run_up_is_rejected():
+    with pytest.raises(ConvergenceError, match="give it a longer duration"):
         fates(line(120), duration=3, phases=2)

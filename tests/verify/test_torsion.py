@@ -9,48 +9,47 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cardan import files
-from cardan.base.errors import DesignError, NotConverged
-from cardan.base.units import deg
-from cardan.dynamics.chart import edges
-from cardan.dynamics.periodic import growth, hill_multipliers, monodromy
-from cardan.dynamics.torsion import (
-    TorsionLine,
-    about_forced_orbit,
-    about_rigid_rotation,
-    about_rigid_shafts,
+from cardan.application import reader, templates
+from cardan.core.errors import ConvergenceError, DesignError
+from cardan.core.units import deg
+from cardan.model.layout import direction_from_slopes
+from cardan.model.parts import CentreBearing, Line, Shaft, Tube
+from cardan.physics.dynamics.floquet import growth_rate, hill_multipliers, monodromy_matrix
+from cardan.physics.dynamics.stability_chart import find_zeros
+from cardan.physics.dynamics.torsional_line import (
+    TorsionalLine,
+    instability_zones,
+    integrate_motion,
+    linearised_about_periodic_motion,
+    linearised_about_rigid_rotation,
     lyapunov_exponent,
     mode_shapes,
-    motion,
     natural_frequencies,
-    of_line,
-    orbit,
-    resonances,
-    transmitted,
-    zones,
+    output_angle_derivatives,
+    periodic_motion,
+    resonance_speeds,
+    torsional_line_model,
 )
-from cardan.kinematics.chain import turn
-from cardan.model.layout import direction
-from cardan.model.parts import CentreBearing, Line, Shaft, Tube
+from cardan.physics.kinematics.joint_chain import rotate_chain
 
 
 def one(beta, zeta=0.0):
     """Unit inertia behind one joint, unit spring ahead of it."""
     beta = np.asarray(beta, dtype=float)[..., None]
-    return TorsionLine(
+    return TorsionalLine(
         beta=beta, stiffness=np.ones(1), driving=np.zeros(1), driven=np.ones(1), damping=2 * zeta
     )
 
 
 def two(beta=20 * deg, damping=0.0):
     """Asokanthan's system, all ones: spring, inertia, joint, spring, inertia."""
-    return TorsionLine(
+    return TorsionalLine(
         beta=np.array([beta, 0.0]), stiffness=np.ones(2), driving=np.ones(2), driven=np.zeros(2),
         damping=damping,
     )  # fmt: skip
 
 
-GENERAL = TorsionLine(
+GENERAL = TorsionalLine(
     beta=np.radians([20, 10, 0]), stiffness=np.array([1.0, 3, 2]), driving=np.array([1.0, 0.5, 1]),
     driven=np.array([0.2, 0.3, 0]), damping=np.array([1.0, 0.8, 0.6]),
     twist=np.array([0.3, 0, 0]), front=np.array(8 * deg), torque=np.array(0.2),
@@ -60,24 +59,28 @@ GENERAL = TorsionLine(
 @pytest.mark.parametrize(
     ("beta", "low", "high"), [(10, 0.99250689, 1.00781536), (20, 0.97157168, 1.03375048)]
 )
-def test_principal_zone_of_one_coordinate(beta, low, high):
-    (zone,) = zones(one(beta * deg))
+def test_principal_zone_of_one_coordinate_matches_reference(beta, low, high):
+    (zone,) = instability_zones(one(beta * deg))
     assert zone.kind == "principal"
     assert (zone.low, zone.high) == (pytest.approx(low, abs=1e-8), pytest.approx(high, abs=1e-8))
 
 
-def test_damping_closes_the_zone():
+def test_damping_closes_instability_zone():
     """At Omega = w0 below 16.1317 deg for zeta 0.02; first order says tan²(beta/2) = zeta."""
-    at_centre = lambda b: growth(about_rigid_rotation(one(b, 0.02), 1.0), tolerance=1e-12)  # noqa: E731
-    (closed,) = edges(at_centre, between=(15 * deg, 17 * deg), start=4)
+
+    def at_centre(b):
+        return growth_rate(linearised_about_rigid_rotation(one(b, 0.02), 1.0), tolerance=1e-12)
+
+    (closed,) = find_zeros(at_centre, between=(15 * deg, 17 * deg), start=4)
     assert closed / deg == pytest.approx(16.1317, abs=5e-5)
     assert np.tan(closed / 2) ** 2 == pytest.approx(0.02, rel=5e-3)  # next order: r² ~ 4e-4
-    assert not zones(one(15.9 * deg, 0.02))[0].open
-    assert zones(one(16.3 * deg, 0.02))[0].open
+    assert not instability_zones(one(15.9 * deg, 0.02))[0].is_open
+    assert instability_zones(one(16.3 * deg, 0.02))[0].is_open
 
 
-def test_zones_of_two_coordinates():
-    found = {(z.kind, z.modes): z for z in zones(two())}
+@pytest.mark.slow
+def test_zones_of_two_coordinates_match_reference():
+    found = {(z.kind, z.modes): z for z in instability_zones(two())}
     printed = {
         ("principal", (1, 1)): (0.60958, 0.62668),
         ("sum", (1, 2)): (1.1108, 1.1247),
@@ -87,88 +90,95 @@ def test_zones_of_two_coordinates():
         digits = 1e-4 if low == 1.1108 else 1e-5  # the last one printed
         assert found[key].low == pytest.approx(low, abs=digits)
         assert found[key].high == pytest.approx(high, abs=digits)
-    assert not found["difference", (1, 2)].open
+    assert not found["difference", (1, 2)].is_open
 
 
-def test_a_zone_of_second_order_is_no_difference():
+@pytest.mark.slow
+def test_second_order_sum_zone_is_not_a_difference_zone():
     """Near (w2 - w1)/2 = 0.5 stands (w1 + w2)/4, 0.5582 to 0.5592 at 20 deg: of sums, order 2.
 
     Hill's determinant has it too: its multipliers are off the unit circle and not real.
     """
-    found = {(z.kind, z.modes, z.order): z for z in zones(two(), window=0.15, orders=2)}
-    assert not found["difference", (1, 2), 1].open
+    found = {(z.kind, z.modes, z.order): z for z in instability_zones(two(), window=0.15, orders=2)}
+    assert not found["difference", (1, 2), 1].is_open
     second = found["sum", (1, 2), 2]
     assert (second.low, second.high) == (pytest.approx(0.5582, abs=5e-5),
                                          pytest.approx(0.5592, abs=5e-5))  # fmt: skip
-    rho = hill_multipliers(about_rigid_rotation(two(), (second.low + second.high) / 2))
+    rho = hill_multipliers(linearised_about_rigid_rotation(two(), (second.low + second.high) / 2))
     largest = rho.ravel()[np.abs(rho).argmax()]
     assert np.log(abs(largest)) > 1e-3
     assert abs(largest.imag) > 0.1
 
 
-def test_an_orbit_nobody_finds_ends_no_other():
+def test_missing_orbit_gives_nan_for_that_case_only():
     """Slow and undamped, wound up by three units of torque at 45 deg, it wanders off."""
     line = replace(GENERAL, beta=np.radians([45, 10, 0]), torque=np.array(3.0), damping=np.zeros(3))
     speeds = np.array([2.0, 0.05, 2.5])
-    found = orbit(line, speeds)
+    found = periodic_motion(line, speeds)
     assert np.isnan(found.rotation[1]).all()
-    np.testing.assert_allclose(found.rotation[0], orbit(line, 2.0).rotation, rtol=1e-12)
-    rates = growth(about_forced_orbit(line, speeds))
+    np.testing.assert_allclose(found.rotation[0], periodic_motion(line, 2.0).rotation, rtol=1e-12)
+    rates = growth_rate(linearised_about_periodic_motion(line, speeds))
     assert np.isnan(rates).tolist() == [False, True, False]
-    with pytest.raises(NotConverged, match="no periodic motion found"):
-        orbit(line, 0.05)
+    with pytest.raises(ConvergenceError, match="no periodic motion found"):
+        periodic_motion(line, 0.05)
 
 
-def test_first_order_widths():
+@pytest.mark.slow
+def test_zone_widths_match_first_order_formula():
     """Omega = w -+ r |Kh| / (2 w), and with both modes for the sum; error of order r²."""
     beta = 4 * deg
     r = np.tan(beta / 2) ** 2
     line = two(beta)
     w, shape = natural_frequencies(line), mode_shapes(line)
     Kh = shape.T @ np.array([[2, -1], [-1, 0]]) @ shape
-    for zone in zones(line):
+    for zone in instability_zones(line):
         i, j = (k - 1 for k in zone.modes)
         half = r * abs(Kh[i, j]) / (2 * np.sqrt(w[i] * w[j]))
         if zone.kind == "difference":
-            assert not zone.open
+            assert not zone.is_open
         else:
             assert (zone.high - zone.low) / 2 == pytest.approx(half, rel=3 * r + 1e-3)
 
 
-def test_the_linearisations_differ_in_second_order_only():
+def test_linearisations_differ_in_second_order_only():
     rates = [
-        growth(about(two(6 * deg, 1e-3), np.array([0.618, 1.118, 1.618])))
-        for about in (about_rigid_rotation, about_rigid_shafts, about_forced_orbit)
+        growth_rate(about(two(6 * deg, 1e-3), np.array([0.618, 1.118, 1.618])))
+        for about in (
+            linearised_about_rigid_rotation,
+            linearised_about_periodic_motion,
+        )
     ]
     r = np.tan(3 * deg) ** 2
-    for other in rates[:2]:
-        # A zone shifts by about w r² relative to its half-width w r / 2.
-        np.testing.assert_allclose(other, rates[2], atol=8 * r**2)
+    # A zone shifts by about w r² relative to its half-width w r / 2.
+    np.testing.assert_allclose(rates[0], rates[1], atol=8 * r**2)
 
 
 @pytest.mark.slow
-def test_forced_orbit_is_what_the_equations_settle_to():
+def test_forced_orbit_is_attractor_of_equations():
     speed = np.array(0.5)
-    found = orbit(GENERAL, speed, samples=65)
+    found = periodic_motion(GENERAL, speed, samples=65)
     turns = 24
-    decay = growth(about_forced_orbit(GENERAL, speed)) * turns * 2 * np.pi / speed
+    decay = (
+        growth_rate(linearised_about_periodic_motion(GENERAL, speed)) * turns * 2 * np.pi / speed
+    )
     assert np.exp(decay) < 1e-7  # nothing is left of the start
-    run = motion(GENERAL, speed, turns=turns, steps_per_turn=256)
+    run = integrate_motion(GENERAL, speed, turns=turns, steps_per_turn=256)
     start = found.rotation[0]
     # Fourth order: (2 pi / 256)^4 of the fastest motion.
     np.testing.assert_allclose(run.deviation[-1], start, atol=2e-7)
     np.testing.assert_allclose(run.rate[-1], found.rate[0], atol=2e-7)
 
 
-def test_monodromy_is_the_derivative_of_the_motion():
+@pytest.mark.slow
+def test_monodromy_is_derivative_of_motion():
     """Half a turn of the nonlinear equations from pushed starts, against the linear matrix."""
     speed, push = np.array(0.5), 1e-4
-    found = orbit(GENERAL, speed, samples=65)
-    rigid = motion(GENERAL, speed, turns=0)  # where the rigid line starts
+    found = periodic_motion(GENERAL, speed, samples=65)
+    rigid = integrate_motion(GENERAL, speed, turns=0)  # where the rigid line starts
     ends = []
     for sign in (1, -1):
         pushed = sign * push * np.eye(6)
-        run = motion(
+        run = integrate_motion(
             GENERAL, np.full(6, speed), turns=0.5, steps_per_turn=2000,
             start=found.rotation[0] - rigid.deviation[0] + pushed[:, :3],
             start_rate=found.rate[0] - rigid.rate[0] + pushed[:, 3:],
@@ -176,32 +186,34 @@ def test_monodromy_is_the_derivative_of_the_motion():
         ends.append(np.concatenate([run.deviation[:, -1], run.rate[:, -1]], axis=-1))
     # Central differences: the error is of third order in the push.
     P = (ends[0] - ends[1]).T / (2 * push)
-    np.testing.assert_allclose(P, monodromy(about_forced_orbit(GENERAL, speed)), atol=1e-6)
+    np.testing.assert_allclose(
+        P, monodromy_matrix(linearised_about_periodic_motion(GENERAL, speed)), atol=1e-6
+    )
 
 
 @pytest.mark.slow
-def test_growth_about_the_orbit_is_the_lyapunov_exponent():
+def test_growth_about_orbit_equals_lyapunov_exponent():
     """Where the orbit attracts, its slowest Floquet exponent is the Lyapunov exponent."""
     speeds = np.array([0.5, 1.3])
-    exact = growth(about_forced_orbit(GENERAL, speeds))
+    exact = growth_rate(linearised_about_periodic_motion(GENERAL, speeds))
     measured = lyapunov_exponent(GENERAL, speeds, turns=24, settle=12, steps_per_turn=96)
     # A finite average: the log of a turning tangent vector wobbles by less than 1 in all.
     np.testing.assert_allclose(measured, exact, atol=(speeds / (2 * np.pi * 24)).max())
     assert np.all(exact < 0)
 
 
-def test_off_resonance_the_orbit_is_the_linear_forced_motion():
+def test_off_resonance_orbit_equals_linear_forced_motion():
     """Unit inertia behind a joint: y = order 2 of the lead, magnified by 1/(1 - (2W/w)²)."""
     beta, speed = 2 * deg, 0.3
     r = np.tan(beta / 2) ** 2
-    found = orbit(one(beta), np.array(speed))
-    driven, *_ = transmitted(found.rotation[:, 0], beta=beta)
+    found = periodic_motion(one(beta), np.array(speed))
+    driven, *_ = output_angle_derivatives(found.rotation[:, 0], beta=beta)
     lead = np.fft.rfft(driven - np.pi * np.arange(33) / 33)[1] * 2 / 33
     magnified = r / (1 - (2 * speed) ** 2)
     assert abs(lead) == pytest.approx(magnified, rel=5 * r)
 
 
-def test_stiff_springs_give_the_exact_chain():
+def test_stiff_springs_give_exact_chain():
     side, top = np.radians([3.0, 1, 4.5, 2]), np.radians([0, 1.5, -0.8, 0.6])
     line = Line(
         shafts=(
@@ -210,18 +222,22 @@ def test_stiff_springs_give_the_exact_chain():
             Shaft(length=1.5, tube=Tube(outer=0.1, wall=0.003), phase=1.2),
         )
     )  # fmt: skip
-    d = direction(side=side, top=top)
-    model = of_line(line, d, axle_inertia=0.3, damping_ratio=0.01)
+    d = direction_from_slopes(side=side, top=top)
+    model = torsional_line_model(line, d, axle_inertia=0.3, damping_ratio=0.01)
     slow = 1e-4 * natural_frequencies(model)[0]
-    found = orbit(model, np.array(slow), samples=33)
-    exact = turn(d, phases=line.phases, samples=66)
+    found = periodic_motion(model, np.array(slow), samples=33)
+    exact = rotate_chain(d, phases=line.phases, samples=66)
     # Driving yoke of joint 2 turns with shaft 1, the pinion behind it; instants differ.
     swing = found.rate[:, 0] / slow
     assert np.ptp(swing) == pytest.approx(np.ptp(exact.speed[0]), rel=1e-2)
     assert np.abs(np.fft.rfft(swing))[1] / 33 == pytest.approx(
         np.abs(np.fft.rfft(exact.speed[0]))[2] / 66, rel=1e-6
     )
-    last = transmitted(found.rotation[:, 1], beta=model.beta[1])[1] * found.rate[:, 1] / slow
+    last = (
+        output_angle_derivatives(found.rotation[:, 1], beta=model.beta[1])[1]
+        * found.rate[:, 1]
+        / slow
+    )
     spread = exact.speed[-1].max() - exact.speed[-1].min()
     assert last.max() - last.min() == pytest.approx(spread, rel=1e-2)
     np.testing.assert_allclose(
@@ -235,34 +251,36 @@ def test_stiff_springs_give_the_exact_chain():
     assert ours == pytest.approx(theirs, rel=1e-3)
 
 
-def test_shapes_are_orthonormal_and_resonances_are_crossings():
+def test_mode_shapes_are_orthonormal_and_resonances_are_crossings():
     M, _, K = GENERAL.mean_matrices
     shape, w = mode_shapes(GENERAL), natural_frequencies(GENERAL)
     np.testing.assert_allclose(shape.T @ M @ shape, np.eye(3), atol=1e-12)
     np.testing.assert_allclose(shape.T @ K @ shape, np.diag(w**2), atol=1e-12)
-    np.testing.assert_allclose(resonances(GENERAL)[:, 0], w / 2)
+    np.testing.assert_allclose(resonance_speeds(GENERAL)[:, 0], w / 2)
 
 
-def test_one_code_path_for_one_and_many():
+def test_single_case_equals_batched_case():
     beta = np.radians([5, 12, 25])
-    many = growth(about_forced_orbit(one(beta, 0.01), np.array([0.9, 1.0, 1.1])))
+    many = growth_rate(linearised_about_periodic_motion(one(beta, 0.01), np.array([0.9, 1.0, 1.1])))
     single = [
-        growth(about_forced_orbit(one(b, 0.01), s))
+        growth_rate(linearised_about_periodic_motion(one(b, 0.01), s))
         for b, s in zip(beta, [0.9, 1.0, 1.1], strict=True)
     ]
     np.testing.assert_allclose(many, single, atol=1e-11)
 
 
-def test_a_massless_joint_is_refused():
+def test_massless_joint_is_rejected():
     with pytest.raises(DesignError, match="inertia above 0"):
-        TorsionLine(beta=np.zeros(1), stiffness=np.ones(1), driving=np.zeros(1), driven=np.zeros(1))
+        TorsionalLine(
+            beta=np.zeros(1), stiffness=np.ones(1), driving=np.zeros(1), driven=np.zeros(1)
+        )
 
 
-def test_frequencies_follow_from_the_parts():
+def test_natural_frequencies_match_springs_by_hand():
     """Two shafts and an axle between a uniform gearbox and free: springs by hand."""
-    (installed,) = files.loads(files.starter("truck")).lines
+    (installed,) = reader.loads(templates.template_text("truck")).lines
     line = installed.line
-    made = of_line(line, installed.layout.directions, axle_inertia=2.0)
+    made = torsional_line_model(line, installed.layout.directions, axle_inertia=2.0)
     first, second = line.shafts
     k1, k2 = (
         s.tube.material.shear_modulus * 2 * s.tube.second_moment / s.length for s in (first, second)
@@ -278,10 +296,10 @@ def test_frequencies_follow_from_the_parts():
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.11])
-def test_the_first_mode_is_damped_as_asked(ratio):
+def test_first_mode_has_given_damping_ratio(ratio):
     """Its motion alone is q'' + 2 ζ w q' + w² q = 0: the mass-normalised shape says C to ζ."""
-    (installed,) = files.loads(files.starter("truck")).lines
-    made = of_line(
+    (installed,) = reader.loads(templates.template_text("truck")).lines
+    made = torsional_line_model(
         installed.line, installed.layout.directions, axle_inertia=2.0, damping_ratio=ratio
     )
     _, C, _ = made.mean_matrices
@@ -290,26 +308,26 @@ def test_the_first_mode_is_damped_as_asked(ratio):
 
 
 @pytest.mark.slow
-def test_zones_are_told_apart_by_what_their_multipliers_do():
+def test_zones_are_classified_by_their_multipliers():
     """Three of them lie within 8 %: mode 1's own, a sum at second order, and a shut difference.
 
     Half the modes' difference is 0.936, a quarter of their sum 0.930. The growth over speed
     itself, swept finely, has two humps; in mode 1's own a multiplier is real and below -1, in
     the other all are complex.
     """
-    line = TorsionLine(
+    line = TorsionalLine(
         beta=np.array([35 * deg, 0.0]), stiffness=np.ones(2), driving=np.array([1.0, 0.15]),
         driven=np.zeros(2),
     )  # fmt: skip
-    found = {(z.kind, z.modes, z.order): z for z in zones(line, orders=2)}
+    found = {(z.kind, z.modes, z.order): z for z in instability_zones(line, orders=2)}
     own, twice = found["principal", (1, 1), 1], found["sum", (1, 2), 2]
-    assert not found["difference", (1, 2), 1].open
+    assert not found["difference", (1, 2), 1].is_open
     speed = np.arange(0.84, 0.96, 2e-4)
-    grows = speed[growth(about_rigid_rotation(line, speed), tolerance=1e-12) > 1e-6]
+    grows = speed[growth_rate(linearised_about_rigid_rotation(line, speed), tolerance=1e-12) > 1e-6]
     first, second = np.split(grows, np.flatnonzero(np.diff(grows) > 3e-4) + 1)
     for zone, hump, real in ((own, first, True), (twice, second, False)):
         assert (zone.low, zone.high) == pytest.approx((hump[0], hump[-1]), abs=3e-4)
-        middle = about_rigid_rotation(line, hump[len(hump) // 2][None])
-        largest = max(np.linalg.eigvals(monodromy(middle)[0]), key=abs)
+        middle = linearised_about_rigid_rotation(line, hump[len(hump) // 2][None])
+        largest = max(np.linalg.eigvals(monodromy_matrix(middle)[0]), key=abs)
         assert (abs(largest.imag) < 1e-6) == real
         assert real == (largest.real < -1)

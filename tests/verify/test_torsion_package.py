@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from cardan import files
-from cardan.dynamics.branched import modes
-from cardan.files.typical import typical
-from cardan.study.powertrain import drivetrain
+from cardan.application import reader
+from cardan.application.typical_values import typical_value
+from cardan.physics.dynamics.torsional_network import torsional_modes
+from cardan.topics.torsion.powertrain_model import vehicle_torsion_model
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -63,7 +63,7 @@ def built(app, ratio, mass, vehicle_class):
     """A vehicle with its own numbers, and typical ones for the rest."""
 
     def T(q):  # noqa: N802
-        return typical(q, vehicle_class).value
+        return typical_value(q, vehicle_class).value
 
     p, ties = Package(), []
     litres = max(app.engine.torque) / T("engine.torque_per_litre")
@@ -122,12 +122,12 @@ def built(app, ratio, mass, vehicle_class):
 
 
 @pytest.mark.parametrize("name", ["medium-truck-4x2", "tandem-6x4"])
-def test_modes_are_a_torsion_package_s(name):
+def test_modes_match_opentorsion(name):
     pytest.importorskip("opentorsion")
-    app = files.read(EXAMPLES / f"{name}.yaml")
-    parts = drivetrain(app)
+    app = reader.read(EXAMPLES / f"{name}.yaml")
+    parts = vehicle_torsion_model(app)
     s = parts.states.index("gvw")
     for g, ratio in enumerate(parts.ratios.tolist()):
         theirs = built(app, ratio, float(parts.mass[s]), parts.vehicle_class)
-        mine = modes(parts.closed.line.case([g], [s])).frequency[0] / (2 * np.pi)
+        mine = torsional_modes(parts.closed.line.select_case([g], [s])).frequency[0] / (2 * np.pi)
         assert mine[1:9] == pytest.approx(theirs[1:9], rel=1e-6)

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from cardan.base.units import mm
+from cardan.core.units import mm
 from cardan.model.parts import CentreBearing, Line, Shaft, Tube
-from cardan.shaft.beams import line_beams
-from cardan.shaft.whirl import (
-    bearing_resonance,
-    campbell,
-    critical_modes,
-    critical_speed,
+from cardan.physics.strength.beams import beam_model
+from cardan.physics.strength.critical_speed import (
+    bearing_resonance_speed,
+    campbell_diagram,
     line_critical_speed,
+    slender_tube_critical_speed,
+    synchronous_whirl_modes,
 )
 
 TUBE = Tube(outer=101.6 * mm, wall=3.2 * mm)
@@ -54,7 +54,7 @@ def slender(beams):
 
 def lowest(beams, **options):
     """Return the lowest critical speed of any kind."""
-    return critical_modes(beams, modes=1, **options).frequency[..., 0]
+    return synchronous_whirl_modes(beams, modes=1, **options).frequency[..., 0]
 
 
 def order(error, elements):
@@ -63,27 +63,29 @@ def order(error, elements):
 
 
 @pytest.mark.parametrize("n", [4, 8, 16])
-def test_the_simple_number_is_the_limit(n):
+def test_uniform_shaft_formula_is_limit_of_beam_elements(n):
     """Cubic elements are too stiff by (π/n)⁴/1440; so must our two numbers differ.
 
     The next term of the series is (π/n)² smaller, and so is the tolerance.
     """
-    simple = critical_speed(
+    simple = slender_tube_critical_speed(
         L,
         outer=TUBE.outer,
         inner=TUBE.inner,
         youngs_modulus=TUBE.material.youngs_modulus,
         density=TUBE.material.density,
     )
-    excess = lowest(slender(line_beams(line())), elements=n) / simple - 1
+    excess = lowest(slender(beam_model(line())), elements=n) / simple - 1
     assert excess == pytest.approx((np.pi / n) ** 4 / 1440, rel=(np.pi / n) ** 2 / 10)
 
 
-def test_rigid_bearings_at_the_joints_make_it_the_line_s_too():
+def test_line_on_rigid_bearings_whirls_as_its_longest_shaft():
     """Three shafts on rigid bearings whirl like the longest of them alone."""
-    beams = slender(line_beams(line(shafts=3), lengths=[1.2, 1.5, 1.1]))
-    alone = slender(line_beams(line()))
-    assert line_critical_speed(critical_modes(beams)) == pytest.approx(lowest(alone), rel=1e-9)
+    beams = slender(beam_model(line(shafts=3), lengths=[1.2, 1.5, 1.1]))
+    alone = slender(beam_model(line()))
+    assert line_critical_speed(synchronous_whirl_modes(beams)) == pytest.approx(
+        lowest(alone), rel=1e-9
+    )
 
 
 def pinned(k, *, sense, tube=TUBE, kappa=None):
@@ -108,7 +110,7 @@ def pinned(k, *, sense, tube=TUBE, kappa=None):
 
 @pytest.mark.parametrize("half_waves", [1, 2, 3])
 @pytest.mark.parametrize("sense", [1, -1])
-def test_a_pinned_timoshenko_shaft(half_waves, sense):
+def test_pinned_timoshenko_shaft_matches_exact_solution(half_waves, sense):
     """Shear, rotary inertia and gyroscopic moments against the exact quadratic.
 
     An element's shear is constant, and the best constants leave the share s (kh)²/12 of the
@@ -116,14 +118,16 @@ def test_a_pinned_timoshenko_shaft(half_waves, sense):
     high, beside Euler's (kh)⁴/1440. Rotary inertia changes that by its own share, (kr)².
     """
     k = half_waves * np.pi / L
-    exact, beams = pinned(k, sense=sense), line_beams(line())
+    exact, beams = pinned(k, sense=sense), beam_model(line())
     x = EI * k**2 / beams.shear_stiffness[0]
     elements = np.array([8, 16, 32, 64])
     h = L / elements
     error = []
     for n in elements:
-        modes = critical_modes(beams, elements=int(n))
-        of_sense = modes.frequency[modes.forward > 0.5 if sense > 0 else modes.forward < 0.5]
+        modes = synchronous_whirl_modes(beams, elements=int(n))
+        of_sense = modes.frequency[
+            modes.forward_share > 0.5 if sense > 0 else modes.forward_share < 0.5
+        ]
         error.append(of_sense[half_waves - 1] / exact - 1)
     predicted = x / (1 + x) * (k * h) ** 2 / 24 + (k * h) ** 4 / 1440
     kr2 = k**2 * TUBE.second_moment / TUBE.area
@@ -131,19 +135,19 @@ def test_a_pinned_timoshenko_shaft(half_waves, sense):
     assert order(error, elements)[-1] == pytest.approx(2, abs=0.02)
 
 
-def test_shear_and_gyroscopes_matter_as_they_should():
+def test_shear_and_gyroscopic_effects_match_first_order():
     """To first order: -½ (E/κG) (kr)² for shear, +½ (kr)² for a forward, -3/2 for a backward."""
     tube = Tube(outer=40 * mm, wall=2 * mm)
     r2 = tube.second_moment / tube.area
     kr2 = (np.pi / L) ** 2 * r2
     kappa = 2 * 1.3 / (4 + 3 * 0.3)  # Cowper's thin tube
     simple = np.pi**2 / L**2 * np.sqrt(tube.bending_stiffness / tube.mass_per_length)
-    speeds = critical_modes(line_beams(line(tube=tube)), modes=2, elements=32).frequency
+    speeds = synchronous_whirl_modes(beam_model(line(tube=tube)), modes=2, elements=32).frequency
     shear = -2.6 / kappa / 2
     assert (speeds / simple - 1) / kr2 == pytest.approx([shear - 1.5, shear + 0.5], abs=0.05)
 
 
-def test_a_rotating_rayleigh_shaft():
+def test_rotating_rayleigh_shaft_matches_exact_whirl():
     """Whirl ω of a pinned shaft turning at Ω, no shear: a quadratic in ω.
 
     (m + J k²) ω² - 2 J k² Ω ω - E I k⁴ = 0; the synchronous root is
@@ -155,31 +159,31 @@ def test_a_rotating_rayleigh_shaft():
         tube.mass_per_length,
         tube.polar_inertia_per_length / 2,
     )
-    beams = line_beams(line(tube=tube))
+    beams = beam_model(line(tube=tube))
     beams = replace(beams, shear_stiffness=np.full(1, np.inf))
     k, speed = np.pi / L, 2000.0
     middle, half = rotary * k**2 * speed, mass + rotary * k**2
     root = np.sqrt(middle**2 + half * bend * k**4)
     forward, backward = (root + middle) / half, (root - middle) / half
     assert forward / backward > 1.08
-    found = campbell(beams, speeds=[speed], modes=2, elements=24).frequency[0]
+    found = campbell_diagram(beams, speeds=[speed], modes=2, elements=24).frequency[0]
     # 24 elements: the shapes are exact, so the error is the beam's own (π/24)⁴/1440.
     assert found == pytest.approx([backward, forward], rel=1e-6)
     critical = np.sqrt(bend * k**4 / (mass - rotary * k**2))
-    speeds = critical_modes(beams, elements=24)
-    assert speeds.frequency[speeds.forward > 0.5][0] == pytest.approx(critical, rel=1e-6)
+    speeds = synchronous_whirl_modes(beams, elements=24)
+    assert speeds.frequency[speeds.forward_share > 0.5][0] == pytest.approx(critical, rel=1e-6)
 
 
 @pytest.mark.parametrize("stiffness", [1e4, 3e5, 5e6, 1e8])
 @pytest.mark.parametrize("yoke", [0.0, 12.0])
-def test_two_shafts_hinged_on_a_spring(stiffness, yoke):
+def test_two_hinged_shafts_on_spring_match_exact_solution(stiffness, yoke):
     """x³ (coth x - cot x) E I / L³ = k - M ω², with ω² = E I x⁴ / (m L⁴): symmetric whirl.
 
     Each shaft pinned at its outer end, its inner end free of moment; the spring and the
     yokes on it take half their force from each.
     """
     beams = slender(
-        line_beams(line(shafts=2, stiffness=(stiffness, stiffness), yokes=(yoke / 2, yoke / 2)))
+        beam_model(line(shafts=2, stiffness=(stiffness, stiffness), yokes=(yoke / 2, yoke / 2)))
     )
 
     def unbalanced(x):
@@ -193,13 +197,13 @@ def test_two_shafts_hinged_on_a_spring(stiffness, yoke):
 
 @pytest.mark.parametrize("overhang", [0.05, 0.14, 0.4])
 @pytest.mark.parametrize("tip", [0.0, 8.0])
-def test_an_overhung_yoke(overhang, tip):
+def test_overhung_yoke_matches_exact_solution(overhang, tip):
     """A shaft pinned in front, on a rigid bearing, with a yoke on its overhung end.
 
     Behind it hangs a shaft without mass, which so far from its own support carries nothing.
     Solved by the two spans' deflections joined in slope and moment at the bearing.
     """
-    beams = slender(line_beams(line(shafts=2, overhang=overhang, yokes=(0.0, tip))))
+    beams = slender(beam_model(line(shafts=2, overhang=overhang, yokes=(0.0, tip))))
     beams = replace(beams, mass_per_length=np.array([m, 1e-9]))
     a, b = L - overhang, overhang
 
@@ -220,7 +224,7 @@ def test_an_overhung_yoke(overhang, tip):
 
 
 @pytest.mark.parametrize("stiffness", [(2e5, 4e5), (3e6, 1e6), (np.inf, 2e6)])
-def test_bearings_unlike_in_their_two_directions(stiffness):
+def test_orthotropic_bearing_matches_exact_solution(stiffness):
     """Two stout Rayleigh shafts hinged on a bearing, gyroscopes and all, solved exactly.
 
     Forward and backward whirl are E I w'''' + j Ω² w'' - m Ω² w = 0 with j = -J and 3 J, and
@@ -228,7 +232,7 @@ def test_bearings_unlike_in_their_two_directions(stiffness):
     (2F + k)(2B + k) = d² where k ± d are the bearing's two stiffnesses.
     """
     tube = Tube(outer=0.25, wall=0.006)
-    beams = line_beams(line(shafts=2, tube=tube, stiffness=stiffness))
+    beams = beam_model(line(shafts=2, tube=tube, stiffness=stiffness))
     beams = replace(beams, shear_stiffness=np.full(2, np.inf))
     bend, mass, rotary = (
         tube.bending_stiffness,
@@ -254,20 +258,20 @@ def test_bearings_unlike_in_their_two_directions(stiffness):
         k, d = (k1 + k2) / 2, (k1 - k2) / 2
         return (F + k) * (B + k) - d**2
 
-    found = critical_modes(beams, elements=16, modes=2)
+    found = synchronous_whirl_modes(beams, elements=16, modes=2)
     for omega in found.frequency:
         at = np.array([unbalanced(omega * x) for x in (1 - 2e-6, 1 + 2e-6)])
         assert at[0] * at[1] < 0  # a root within the elements' own error
 
 
-def test_a_stiff_line_bounces_like_rigid_links():
+def test_stiff_line_bounces_as_rigid_links():
     """Two hung shafts and a third, far stiffer than their rubber: a 2 x 2 problem by hand.
 
     The links' ends move by the two bearings' heights; the kinetic energy of a uniform link
     is m L (u² + u v + v²)/6.
     """
     overhang, yokes, k = 0.2, (3.0, 5.0), np.array([4e5, 7e5])
-    beams = line_beams(line(shafts=3, overhang=overhang, yokes=yokes))
+    beams = beam_model(line(shafts=3, overhang=overhang, yokes=yokes))
     beams = slender(replace(beams, bearing_stiffness=np.stack([k, k], axis=-1)))
     beams = replace(beams, bending_stiffness=np.full(3, 1e6 * EI))
     up = L / (L - overhang)
@@ -280,17 +284,17 @@ def test_a_stiff_line_bounces_like_rigid_links():
         link = np.outer(u, u) + np.outer(v, v) + (np.outer(u, v) + np.outer(v, u)) / 2
         M += m * L / 3 * link + yokes[0] * np.outer(u, u) + yokes[1] * np.outer(v, v)
     exact = np.sqrt(np.linalg.eigvals(np.linalg.solve(M, np.diag(k))).min())
-    modes = critical_modes(beams)
+    modes = synchronous_whirl_modes(beams)
     # Bending takes (bounce/bending)² ~ 1e-6 off; elements are exact for straight links.
-    assert bearing_resonance(modes) == pytest.approx(exact, rel=1e-5)
+    assert bearing_resonance_speed(modes) == pytest.approx(exact, rel=1e-5)
 
 
-def test_a_heavy_spline_on_a_light_shaft():
+def test_heavy_spline_on_light_shaft_matches_closed_form():
     """A mass M at a from one end, b from the other: ω² = 3 E I L/(M a² b²), and with shear.
 
     1/k = a² b²/(3 E I L) + a b/(κ G A L). The mass sits on a node: static shapes are exact.
     """
-    beams = line_beams(line())
+    beams = beam_model(line())
     a, mass = L / 4, 30.0
     light = replace(
         beams,

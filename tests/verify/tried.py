@@ -1,4 +1,4 @@
-"""How often a finding is wrong of drives whose truth is known: the counts of `evidence.TRIED`.
+"""How often a finding is wrong of drives whose truth is known: counts of `VALIDATED_ERROR_RATES`.
 
     python tests/verify/tried.py [SEED+DRIVES ...] [--stop] [--bent]
 
@@ -12,7 +12,11 @@ from collections import Counter
 from proving_ground import drive
 from test_proving_ground import heard, truths
 
-from cardan.fatigue.evidence import CANNOT_TELL, GUILTY, INNOCENT
+from cardan.physics.signals.attribution_result import (
+    JOINTS_DOMINANT,
+    JOINTS_NOT_DOMINANT,
+    UNDETERMINED,
+)
 
 AS_THEY_COME = "650000+100", "670000+200", "710000+200", "741000+150"
 
@@ -31,14 +35,16 @@ def counted(seeds, **asked):
             of["inside"] += low <= truth <= high
             if truth >= 0.6 or truth <= 0.1:
                 of["clear"] += 1
-                of["told"] += found.finding == (GUILTY if truth >= 0.6 else INNOCENT)
+                of["told"] += found.verdict == (
+                    JOINTS_DOMINANT if truth >= 0.6 else JOINTS_NOT_DOMINANT
+                )
             if truth >= 0.5:
-                of[GUILTY] += 1
-                of["acquitted"] += found.finding == INNOCENT
+                of[JOINTS_DOMINANT] += 1
+                of["acquitted"] += found.verdict == JOINTS_NOT_DOMINANT
             elif truth < 0.25:
-                of[INNOCENT] += 1
-                of["convicted"] += found.finding == GUILTY
-            of[CANNOT_TELL] += found.finding == CANNOT_TELL
+                of[JOINTS_NOT_DOMINANT] += 1
+                of["convicted"] += found.verdict == JOINTS_DOMINANT
+            of[UNDETERMINED] += found.verdict == UNDETERMINED
     return of
 
 
@@ -47,7 +53,8 @@ def row(name, of):
     share = {k: 100 * of[k] / max(of[n], 1) for k, n in (("inside", "gauges"), ("told", "clear"))}
     return (
         f"| {name} | {share['inside']:.0f} % of {of['gauges']} | {share['told']:.0f} % of "
-        f"{of['clear']} | {of['acquitted']} of {of[GUILTY]} | {of['convicted']} of {of[INNOCENT]} "
+        f"{of['clear']} | {of['acquitted']} of {of[JOINTS_DOMINANT]} | {of['convicted']} of "
+        f"{of[JOINTS_NOT_DOMINANT]} "
         f"| {of['vetoed']} vetoed"
     )
 
