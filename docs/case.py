@@ -6,12 +6,12 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cardan.base.units import MPa
-from cardan.study.recording import listen_to_all
+from cardan.core.units import MPa
+from cardan.topics.recording.campaign_study import analyse_campaign
 
 CASE = Path("examples/refuse-collector")
 DAYS = {"joints": "promise.yaml", "road": "tracks.yaml", "engine": "direct.yaml"}
-heard = {day: listen_to_all(CASE / file).answer.parts[0][2] for day, file in DAYS.items()}
+heard = {day: analyse_campaign(CASE / file).answer.parts[0][2] for day, file in DAYS.items()}
 truth = {day: json.loads((CASE / f"{day}.truth.json").read_text()) for day in DAYS}
 
 figure, (cause, cut, cure) = plt.subplots(1, 3, figsize=(14, 4.2), layout="constrained")
@@ -19,8 +19,8 @@ of = heard["joints"].identification
 g, speed = of.gauges.index("S3"), of.cuts.windows.speed * 60
 for name, z, style in (
     ("recorded", of.cuts.amplitude, "k."),
-    ("as drawn", of.written, "C1+"),
-    ("as found", of.found, "C0x"),
+    ("as drawn", of.computed_before, "C1+"),
+    ("as found", of.computed_after, "C0x"),
 ):
     cut.plot(speed, np.abs(z[g, 1]) / MPa, style, ms=4, label=name)
 cut.set(xlim=(0, 600), xlabel="shaft speed, rpm", ylabel="order 2 at S3, MPa", title="Step 4")
@@ -28,11 +28,11 @@ cut.legend()
 
 place, names = 0, []
 for day, one in heard.items():
-    for gauge, e in zip(one.causes.gauges, one.causes.evidence, strict=True):
+    for gauge, e in zip(one.causes.gauges, one.causes.joint_attributions, strict=True):
         low, high = e.interval
         cause.plot([low, high], [place, place], "C0", lw=6, alpha=0.5)
         cause.plot(truth[day]["gauges"][gauge]["removed"], place, "k|", ms=14, mew=2)
-        names.append(f"{day}, {gauge}: {e.finding}")
+        names.append(f"{day}, {gauge}: {e.verdict}")
         place -= 1
 cause.set_yticks(-np.arange(len(names)), names)
 cause.set(
@@ -40,7 +40,7 @@ cause.set(
 )
 
 known = truth["joints"]["cured"]["gauges"]
-kept = heard["joints"].promised
+kept = heard["joints"].predicted_lives
 x = np.arange(len(kept))
 for k, (name, hours) in enumerate((
     ("recorded", [p.recorded.hours for p in kept]),

@@ -3,7 +3,8 @@
 On a page with [[executed]] every piece of Python is run, one after the other as in a notebook, and
 what it prints or comes to stands below it.
 
-A marker [[name]] stands for something declared in the package. [[cardan check FILE]] stands for
+A marker [[name]] stands for something declared in the package, [[options life]] for the options
+of that command with the keys of a campaign. [[cardan check FILE]] stands for
 what that command prints; [[cardan check FILE :: this ... that]] for its lines from the first that
 starts with "this" until one that starts with "that". Formulas become MathML, which browsers draw
 without any script.
@@ -21,6 +22,7 @@ import shlex
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -59,9 +61,15 @@ def _made(file: Path) -> None:
 
 def on_page_markdown(markdown: str, **_: object) -> str:
     """Replace the markers of a page with what the package says."""
+    if "\n::: cardan." in markdown:
+        title, _, modules = markdown.partition("\n")
+        markdown = f"{title}\n\n{stability(modules)}\n{modules}"
     for marker, write in WRITERS.items():
         if marker in markdown:
             markdown = markdown.replace(marker, write())
+    markdown = re.sub(
+        r"^\[\[options (\w+)\]\]$", lambda found: options(found[1]), markdown, flags=re.MULTILINE
+    )
     if "[[executed]]" in markdown:
         page = markdown
         markdown = _kept(page, lambda: executed(page))
@@ -109,11 +117,11 @@ def samples() -> str:
 
 def nomenclature() -> str:
     """Return the table of declared quantities."""
-    from cardan.quantity.quantities import QUANTITIES
+    from cardan.checks.quantities.registry import QUANTITIES
 
     rows = ["| name | symbol | unit | key | equation | source |", "|---|---|---|---|---|---|"]
     rows += [
-        f"| {q.name} | {_cell(q.symbol)} | {q.unit_name} | `{q.key}` | {_said(q)} | {q.source} |"
+        f"| {q.name} | {_cell(q.symbol)} | {q.unit_symbol} | `{q.key}` | {_said(q)} | {q.source} |"
         for q in QUANTITIES.values()
     ]
     return "\n".join(rows)
@@ -121,34 +129,34 @@ def nomenclature() -> str:
 
 def _said(quantity: Any) -> str:
     """Return a quantity's equation for a cell: a formula drawn as one, or its text."""
-    from cardan.base.formula import symbols
+    from cardan.core.symbolic import symbols
 
     if isinstance(quantity.equation, str):
         return _cell(quantity.equation)
     formula, (symbol,) = quantity.formula, symbols(quantity.symbol)
-    given = "" if quantity.stated == str(formula) else f"{symbol.latex} = "
+    given = "" if quantity.equation_text == str(formula) else f"{symbol.latex} = "
     return f"${given}{formula.latex}$"
 
 
-def floors() -> str:
-    """Return the floors of the house, highest first, from the contract on imports."""
+def layers() -> str:
+    """Return the table of layers, highest first, from the import contract."""
     import tomllib
 
     settings = tomllib.loads(Path("pyproject.toml").read_text(encoding="utf-8"))
-    layers = settings["tool"]["importlinter"]["contracts"][0]["layers"]
-    rows = ["| floor | rooms | what they know |", "|---|---|---|"]
-    for floor, layer in zip(range(len(layers) - 1, -1, -1), layers, strict=True):
-        rooms = [room.strip() for room in layer.split("|")]
-        knows = "<br>".join(_cell(_knows(room)) for room in rooms)
-        rows.append(f"| {floor} | {'<br>'.join(f'`{r}`' for r in rooms)} | {knows} |")
+    declared = settings["tool"]["importlinter"]["contracts"][0]["layers"]
+    rows = ["| layer | packages | content |", "|---|---|---|"]
+    for level, layer in zip(range(len(declared) - 1, -1, -1), declared, strict=True):
+        packages = [package.strip() for package in layer.split("|")]
+        content = "<br>".join(_cell(_summary(package)) for package in packages)
+        rows.append(f"| {level} | {'<br>'.join(f'`{p}`' for p in packages)} | {content} |")
     return "\n".join(rows)
 
 
-def _knows(room: str) -> str:
-    """Return the first line of what a room says of itself."""
+def _summary(package: str) -> str:
+    """Return the first sentence of a package's docstring."""
     import ast
 
-    at = Path("src/cardan") / room
+    at = Path("src/cardan") / package
     file = at / "__init__.py" if at.is_dir() else at.with_suffix(".py")
     said = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
     return said.split("\n\n")[0].replace("\n", " ").split(". ")[0].rstrip(".")
@@ -214,11 +222,11 @@ def _figure(file: Path) -> str:
 
     import matplotlib.pyplot as plt
 
-    from cardan.base.errors import NotInstalled
+    from cardan.core.errors import MissingDependencyError
 
     text = file.read_text(encoding="utf-8")
     draws = "matplotlib" in text
-    if "study.bracket" in text and not draws:
+    if "cardan.topics.bracket" in text and not draws:
         return f"*Solved when it is run: `python docs/gallery/{file.name}`, a minute or two.*"
     plt.switch_backend("agg")
     printed = io.StringIO()
@@ -226,7 +234,7 @@ def _figure(file: Path) -> str:
     try:
         with redirect_stdout(printed):
             runpy.run_path(str(file))
-    except NotInstalled as needed:
+    except MissingDependencyError as needed:
         return f"*Not drawn here: {needed}.*"
     if not draws:
         return f"```text\n{printed.getvalue().rstrip()}\n```" if printed.getvalue() else ""
@@ -243,9 +251,9 @@ def _indented(text: str) -> str:
 
 def keys() -> str:
     """Return every key of the application file, table by table, with an example of each."""
-    from cardan import files
+    from cardan.application import json_schema
 
-    schema = files.schema()
+    schema = json_schema.application_schema()
     tables = {name: table for name, table in schema["$defs"].items() if "properties" in table}
     first = schema["$ref"].rpartition("/")[2]
     examples = _examples(tables, first)
@@ -367,15 +375,15 @@ def _examples(tables: dict[str, Any], first: str) -> dict[str, dict[str, str]]:
                 if len(text) <= 40 and "..." not in text and not isinstance(value, dict):
                     mine.setdefault(key, text)
 
-    sources = ("src/cardan/files/starters", "examples", "docs/gallery", "tests/verify")
+    sources = ("src/cardan/application/starters", "examples", "docs/gallery", "tests/verify")
     for folder in sources:
         for file in sorted(Path(folder).glob("*.yaml")):
             read = yaml.safe_load(file.read_text(encoding="utf-8"))
             if isinstance(read, dict) and set(read) <= set(tables[first]["properties"]):
                 take(read, [first])
-    sheets = {"joints": "Joint", "materials": "Material", "plies": "Ply", "details": "Detail"}
+    sheets = {"joints": "Joint", "materials": "Material", "plies": "Ply", "details": "DetailClass"}
     for stem, name in sheets.items():
-        text = Path(f"src/cardan/files/catalogues/{stem}.csv").read_text(encoding="utf-8")
+        text = Path(f"src/cardan/application/catalogues/{stem}.csv").read_text(encoding="utf-8")
         for row in csv.DictReader(io.StringIO(text)):
             for key, value in row.items():
                 if value and len(value) <= 40 and key in tables[name]["properties"]:
@@ -391,7 +399,7 @@ def _examples(tables: dict[str, Any], first: str) -> dict[str, dict[str, str]]:
 
 def contract() -> str:
     """Return every key of the JSON contract."""
-    from cardan.report.contract_schema import schema as described
+    from cardan.documents.approval_schema import schema as described
 
     schema = described()
     tables = {"document": schema, **schema["$defs"]}
@@ -402,24 +410,30 @@ def contract() -> str:
 
 def relations() -> str:
     """Return what values of an application file are held against each other."""
-    from cardan.files.plausible import RELATIONS
+    from cardan.application.plausibility import PLAUSIBILITY_RULES
 
-    rows = ["| what | usual |", "|---|---|"]
-    for r in RELATIONS:
-        low, high = (f"{bound:.3g}{r.unit}" for bound in r.usual)
-        rows.append(
-            f"| {r.says.strip(',')} | {low} {'or more' if high == 'inf' else f'to {high}'} |"
+    def shown(low: float, high: float, unit: str) -> str:
+        return f"{low:.3g}{unit} {'or more' if high == inf else f'to {high:.3g}{unit}'}"
+
+    rows = ["| name | what | usual | source of the range |", "|---|---|---|---|"]
+    for r in PLAUSIBILITY_RULES:
+        usual = r.usual_range
+        text = (
+            shown(*usual, r.unit)
+            if isinstance(usual, tuple)
+            else "; ".join(f"{kind}: {shown(*one, r.unit)}" for kind, one in usual.items())
         )
+        rows.append(f"| `{r.name}` | {r.description.strip(',')} | {text} | {r.source} |")
     return "\n".join(rows)
 
 
 def cycles() -> str:
     """Return the duty cycles that come with the package, point by point."""
-    from cardan.files.cycle import cycle, names
+    from cardan.application.duty_cycles import duty_cycle_names, load_duty_cycle
 
     pages: list[str] = []
-    for name in names():
-        found = cycle(name)
+    for name in duty_cycle_names():
+        found = load_duty_cycle(name)
         rows = ["| of the time | of the largest torque | of top speed |", "|---|---|---|"]
         rows += [
             " | ".join(f"{100 * v:g} %" for v in (p.share, p.torque_share, p.speed_share)).join(
@@ -427,34 +441,34 @@ def cycles() -> str:
             )
             for p in found.points
         ]
-        pages.append(f"`{name}`: {found.says} {found.source}.\n\n" + "\n".join(rows))
+        pages.append(f"`{name}`: {found.description} {found.source}.\n\n" + "\n".join(rows))
     return "\n\n".join(pages)
 
 
 def profiles() -> str:
     """Return the limit profiles that come with the package, limit by limit."""
-    from cardan.files.limit import limits, names
-    from cardan.quantity.quantities import QUANTITIES
+    from cardan.application.limit_profiles import load_profile, profile_names
+    from cardan.checks.quantities.registry import QUANTITIES
 
     pages: list[str] = []
-    for name in names():
+    for name in profile_names():
         rows = [
             "| quantity | unit | warns past | fails past | in states | required | who says so |",
             "|---|---|---|---|---|---|---|",
         ]
-        for limit in limits(name)[1]:
+        for limit in load_profile(name)[1]:
             q = QUANTITIES[limit.quantity]
             bounds = [
                 ""
                 if b is None
-                else f"{limit.sense} {b / q.factor:.6g}".replace("<=", "≤").replace(">=", "≥")
+                else f"{limit.sense} {b / q.si_factor:.6g}".replace("<=", "≤").replace(">=", "≥")
                 for b in (limit.normal, limit.maximum)
             ]
             if limit.band:
-                low, high = (b / q.factor for b in limit.band)
+                low, high = (b / q.si_factor for b in limit.band)
                 bounds[0] = f"inside {low:g} … {high:g}"
             rows.append(
-                f"| {q.name} | {q.unit_name} | {bounds[0]} | {bounds[1]} | {_states(limit)} "
+                f"| {q.name} | {q.unit_symbol} | {bounds[0]} | {bounds[1]} | {_states(limit)} "
                 f"| {'yes' if limit.required else ''} | {limit.source} |"
             )
         pages.append(f"### {name}\n\n" + "\n".join(rows))
@@ -463,17 +477,17 @@ def profiles() -> str:
 
 def _states(limit: Any) -> str:
     """Return the kinds of state a limit asks in, by their group where they are one."""
-    from cardan.model.application import KIND_GROUPS, STATE_KINDS
+    from cardan.model.application import STATE_KIND_GROUPS, STATE_KINDS
 
     if limit.states is None:
         return "all"
-    groups = {kinds: name for name, kinds in KIND_GROUPS.items()}
+    groups = {kinds: name for name, kinds in STATE_KIND_GROUPS.items()}
     return groups.get(limit.states) or ", ".join(k for k in STATE_KINDS if k in limit.states)
 
 
 def published() -> str:
     """Return the published cases with what this program computes."""
-    from cardan.study.published import published as cases
+    from cardan.topics.verification.published_cases import benchmark_cases as cases
 
     rows = ["| case | published | computed | source | |", "|---|---|---|---|---|"]
     rows += [
@@ -498,7 +512,7 @@ def reports() -> str:
 
 def _languages() -> dict[str, str]:
     """Return the name of each catalogue's language, from its first line."""
-    texts = Path("src/cardan/report/text").glob("*.po")
+    texts = Path("src/cardan/render/locales").glob("*.po")
     heads = {p.stem: p.read_text(encoding="utf-8").partition("\n")[0] for p in texts}
     return {code: head.partition(", in ")[2].partition(".")[0] for code, head in heads.items()}
 
@@ -506,21 +520,21 @@ def _languages() -> dict[str, str]:
 def over_speed() -> str:
     """Return what shakes the medium truck's bearing over its speed, as a report draws it."""
     from cardan import check, read
-    from cardan.report.language import EN
-    from cardan.report.plots import bearing_over_speed
+    from cardan.documents.line_plots import bearing_over_speed_plots
+    from cardan.render.i18n import ENGLISH
 
     (response,) = check(
         read(Path(__file__).parents[1] / "examples" / "medium-truck-4x2.yaml")
-    ).responses
-    (figure,) = bearing_over_speed(response, EN, bearing=0)
+    ).line_responses
+    (figure,) = bearing_over_speed_plots(response, ENGLISH, bearing=0)
     return f"<figure>{figure.svg}<figcaption>{figure.alt}. {figure.note}</figcaption></figure>"
 
 
 def tolerance_that_decides() -> str:
     """Return what halving each tolerance wins, and how the limit scatters that trucks lose."""
     from cardan import read, study
-    from cardan.files.study import read as read_study
-    from cardan.report.study import figures
+    from cardan.topics.variants.presentation_figures import figures
+    from cardan.topics.variants.schema import read_variant_study as read_study
 
     truck = read(Path(__file__).parents[1] / "examples" / "refuse-collector-6x2.yaml")
     asked = read_study(Path(__file__).parent / "gallery" / "tolerances.yaml", truck)
@@ -550,12 +564,111 @@ def seeds() -> str:
     return "\n\n".join(pages)
 
 
+def stability(modules: str) -> str:
+    """Return what of a page's modules is public and stable, to stand before them."""
+    import cardan
+
+    listed = set(re.findall(r"^::: (\S+)", modules, re.MULTILINE))
+    if "cardan.api" in listed:
+        return ""
+    public = [n for n in cardan.__all__ if getattr(getattr(cardan, n), "__module__", "") in listed]
+    where = "[the public interface](public-interface.md)"
+    if not public:
+        return f"Nothing on this page is public: it may change with any version. Use {where}."
+    names = ", ".join(f"`cardan.{name}`" for name in public)
+    return f"Public and stable ({where}): {names}. All else here may change with any version."
+
+
+def public_names() -> str:
+    """Return the names that `import cardan` promises, with what each returns or does."""
+    import inspect
+
+    import cardan
+
+    rows = ["| name | what it is |", "|---|---|"]
+    for name in cardan.__all__:
+        if name != "__version__":
+            first = (inspect.getdoc(getattr(cardan, name)) or "").split("\n\n")[0]
+            rows.append(f"| `cardan.{name}` | {_cell(first)} |")
+    return "\n".join(rows)
+
+
+def error_rates() -> str:
+    """Return how often each finding on the joints was wrong, where the truth is known."""
+    from cardan.physics.signals.attribution_result import VALIDATED_ERROR_RATES
+
+    rows = ["| finding | drives | wrong, of gauges | at most |", "|---|---|---|---|"]
+    for finding, rates in VALIDATED_ERROR_RATES.items():
+        for drives, rate in zip(("as they come", "line on its stop"), rates, strict=True):
+            rows.append(
+                f"| {finding} | {drives} | {rate.wrong} of {rate.cases} "
+                f"| {100 * rate.upper_bound:.1f} % |"
+            )
+    return "\n".join(rows)
+
+
+def options(name: str) -> str:
+    """Return the table of a command's options, in the order of its help."""
+    import click
+
+    from cardan.cli import cli
+    from cardan.topics.recording.option_table import OPTIONS
+
+    command = cli.get_command(click.Context(cli), name)
+    assert command is not None, name
+    declared = OPTIONS if name == "life" else {}
+    rows = ["| option | default | what it is |", "|---|---|---|"]
+    if declared:
+        rows = ["| option | key in a campaign | default | what it is |", "|---|---|---|---|"]
+    for option in command.params:
+        if not isinstance(option, click.Option) or option.name == "help":
+            continue
+        value = "" if option.is_flag else option.metavar or _choices(option.type)
+        cells = [_code(" ".join(filter(None, (max(option.opts, key=len), value))))]
+        entry = declared.get(option.name or "")
+        if declared:
+            cells.append("<br>".join(_code(k) for k in _campaign_keys(entry)))
+        shown = option.show_default is True and option.default not in (None, "", ())
+        text = [option.help or "", _bounds(entry.bounds) if entry else ""]
+        cells += [_code(option.default) if shown else "", _cell(" ".join(filter(None, text)))]
+        rows.append(f"| {' | '.join(cells)} |")
+    return "\n".join(rows)
+
+
+def _choices(kind: Any) -> str:
+    """Return the values that an option takes, or its kind in capitals."""
+    return ",".join(kind.choices) if hasattr(kind, "choices") else kind.name.upper().split()[0]
+
+
+def _campaign_keys(entry: Any) -> list[str]:
+    """Return the keys of a campaign's file that hold an option."""
+    if entry is None:
+        return []
+    places = {"campaign": "", "recording": "recordings: ", "strength": "strength: "}
+    return [f"{places[k.table]}{k.name or entry.name}" for k in entry.keys]
+
+
+def _bounds(bounds: Any) -> str:
+    """Return the range of a number, as a sentence."""
+    if bounds is None:
+        return ""
+    word, low = bounds.lower_bound
+    high = f", at most {bounds.most:g}" if bounds.most < 1e9 else ""
+    return f"Range: {word} {low:g}{high}."
+
+
+def _code(text: object) -> str:
+    """Return a text as inline code of a cell."""
+    return f"`{text}`".replace("|", "\\|")
+
+
 WRITERS = {
     "[[tolerance that decides]]": tolerance_that_decides,
     "[[seeds]]": seeds,
     "[[samples]]": samples,
     "[[bearing over speed]]": over_speed,
-    "[[floors]]": floors,
+    "[[layers]]": layers,
+    "[[error rates]]": error_rates, "[[public names]]": public_names,
     "[[reports]]": reports,
     "[[nomenclature]]": nomenclature, "[[changelog]]": changelog, "[[keys]]": keys,
     "[[contract]]": contract, "[[profiles]]": profiles, "[[published]]": published,
@@ -602,7 +715,7 @@ def _come_to(code: str, space: dict[str, Any]) -> str:
     import io
     from contextlib import redirect_stdout
 
-    from cardan.base.errors import NotInstalled
+    from cardan.core.errors import MissingDependencyError
 
     tree, value = ast.parse(code), None
     last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
@@ -612,7 +725,7 @@ def _come_to(code: str, space: dict[str, Any]) -> str:
             exec(compile(tree, "<page>", "exec"), space)
             if last is not None:
                 value = eval(compile(ast.Expression(last.value), "<page>", "eval"), space)
-    except NotInstalled as needed:
+    except MissingDependencyError as needed:
         return f"*Not run here: {needed}.*"
     if hasattr(value, "_repr_html_"):
         return f'<div class="shown">{value._repr_html_()}</div>'

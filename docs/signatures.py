@@ -1,10 +1,10 @@
-"""API pages take `cardan.base.frozen.dataclass` for what it is; Griffe goes by its name alone."""
+"""Make Griffe treat `cardan.core.lazy_dataclass.dataclass` as a dataclass."""
 
 from typing import Any
 
 import griffe
 
-OURS, THEIRS = "cardan.base.frozen.dataclass", "dataclasses.dataclass"
+OURS, THEIRS = "cardan.core.lazy_dataclass.dataclass", "dataclasses.dataclass"
 
 
 class Signatures(griffe.Extension):

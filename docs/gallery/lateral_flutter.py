@@ -10,18 +10,18 @@ the other; fast ones are kept whirling by their gyroscopic moment.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cardan.dynamics.lateral import rigid_shaft
-from cardan.dynamics.periodic import growth, over
+from cardan.physics.dynamics.floquet import evaluate_in_chunks, growth_rate
+from cardan.physics.dynamics.lateral import rigid_shaft_system
 
 SHAFT = {"transverse_inertia": 1.0, "polar_inertia": 0.1, "stiffness": 1.0, "damping": 0.05}
 
 
 def rate(speed, torque, follower, difference):
     """Growth of a shaft."""
-    return growth(
-        rigid_shaft(
+    return growth_rate(
+        rigid_shaft_system(
             speed=speed, torque=torque, follower=follower, stiffness_difference=difference, **SHAFT
-        ).system
+        ).periodic_system
     )
 
 
@@ -31,7 +31,7 @@ x, y = np.meshgrid(speeds, torques)
 figure, axes = plt.subplots(1, 3, figsize=(10, 3.4), sharey=True)
 cases = (("follows the shaft", 1, 0), ("stays along the input", 0, 0), ("unequal bearings", 1, 0.2))
 for ax, (name, follower, difference) in zip(axes, cases, strict=True):
-    found = over(lambda s, t, f=follower, d=difference: rate(s, t, f, d), x, y)
+    found = evaluate_in_chunks(lambda s, t, f=follower, d=difference: rate(s, t, f, d), x, y)
     filled = ax.contourf(x, y, found, levels=LEVELS, cmap="Oranges", extend="max")
     assert found.max() > LEVELS[-1] or name != "follows the shaft"  # the worst has a colour too
     ax.set(title=name, xlabel="speed, 1")

@@ -2,24 +2,24 @@
 
 A rigid shaft on a bearing a tenth stiffer across the plane of the shafts, driven by a torque
 that follows it. The forced motion is found first, with the curvature of the shaft's path and
-the spin that the joint makes answer to every tilt; small motions are linear about it.
+the spin that the joint couples to every tilt; small motions are linear about it.
 """
 
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cardan.dynamics.chart import edges
-from cardan.dynamics.lateral import misaligned_shaft
-from cardan.dynamics.periodic import growth
+from cardan.physics.dynamics.floquet import growth_rate
+from cardan.physics.dynamics.lateral import misaligned_shaft_system
+from cardan.physics.dynamics.stability_chart import find_zeros
 
 
 def rate(speed, torque, angle, polar):
     """Growth of the shaft at a joint angle in degrees."""
-    system, _ = misaligned_shaft(
+    system, _ = misaligned_shaft_system(
         speed=speed, torque=torque, beta=np.radians(angle), transverse_inertia=1.0,
         polar_inertia=polar, stiffness=(1.0, 1.1), damping=0.05,
     )  # fmt: skip
-    return growth(system)
+    return growth_rate(system)
 
 
 angles = np.linspace(0, 20, 21)
@@ -36,7 +36,7 @@ coarse = np.arange(0, 26, 5)
 starts = {}
 for speed in (0.5, 1.8):
     starts[speed] = np.array([
-        edges(lambda T, a=a, s=speed: rate(s, T, a, 0.1), between=(0.02, 0.2), start=18)[0]
+        find_zeros(lambda T, a=a, s=speed: rate(s, T, a, 0.1), between=(0.02, 0.2), start=18)[0]
         for a in coarse
     ])  # fmt: skip
     onset.plot(coarse, starts[speed], "o-", label=f"speed {speed:g}")

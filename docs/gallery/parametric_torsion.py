@@ -1,4 +1,4 @@
-"""A joint shakes a shaft up at its natural frequency, and shafts at sums of theirs.
+"""A joint shakes a shaft up at its natural frequency, and shafts at sums of their frequencies.
 
 Tongues grow from the speeds where twice the turning meets 2 w1, w1 + w2 and 2 w2, and thin
 ones where four times it does; the difference has none. Damping lifts their tips: each is
@@ -8,15 +8,20 @@ followed down to where it closes, far narrower than any grid of a chart.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cardan.dynamics.chart import tongue
-from cardan.dynamics.periodic import growth, hill_multipliers
-from cardan.dynamics.torsion import TorsionLine, about_rigid_rotation, natural_frequencies, zones
+from cardan.physics.dynamics.floquet import growth_rate, hill_multipliers
+from cardan.physics.dynamics.stability_chart import instability_tongue
+from cardan.physics.dynamics.torsional_line import (
+    TorsionalLine,
+    instability_zones,
+    linearised_about_rigid_rotation,
+    natural_frequencies,
+)
 
 
 def line(beta, damping):
     """Spring, inertia, joint, spring, inertia: all ones (Asokanthan & Hwang 1996)."""
     beta = np.asarray(beta, dtype=float)
-    return TorsionLine(
+    return TorsionalLine(
         beta=np.stack([beta, np.zeros_like(beta)], axis=-1), stiffness=np.ones(2),
         driving=np.ones(2), driven=np.zeros(2), damping=damping,
     )  # fmt: skip
@@ -31,9 +36,9 @@ figure, axes = plt.subplots(figsize=(8, 4.5))
 tips = {}
 for damping, colour in ((0.002, "tab:blue"), (0.02, "tab:orange")):
     for name, centre in centres.items():
-        found = tongue(
-            lambda speed, beta, c=damping: growth(
-                about_rigid_rotation(line(beta, c), speed), tolerance=1e-7
+        found = instability_tongue(
+            lambda speed, beta, c=damping: growth_rate(
+                linearised_about_rigid_rotation(line(beta, c), speed), tolerance=1e-7
             ),
             centre=centre, x=(0.45, 2.0), y=(0.0, np.radians(35)), reach=0.012, rows=14,
         )  # fmt: skip
@@ -50,10 +55,10 @@ axes.set(xlabel="speed, 1", ylabel="joint angle, deg", ylim=(0, 35), xlim=(0.45,
 axes.legend()
 plt.show()
 
-found = {(z.kind, z.modes): z for z in zones(line(np.radians(20), 0.0))}
+found = {(z.kind, z.modes): z for z in instability_zones(line(np.radians(20), 0.0))}
 assert np.round(found["principal", (1, 1)].low, 4) == 0.6096
 assert np.round(found["sum", (1, 2)].high, 4) == 1.1247
-assert not found["difference", (1, 2)].open  # what stands near it is (w1 + w2)/4
+assert not found["difference", (1, 2)].is_open  # what stands near it is (w1 + w2)/4
 
 # First-order theory: the tip is where tan²(beta/2) |Kh_ij| / (2 √(w_i w_j)) = √(d_i d_j), with
 # d = c w²/2 and Kh = V' [[2, -1], [-1, 0]] V of the modes V.
@@ -69,6 +74,6 @@ for c in (0.002, 0.02):
 for name, low, high in (("$(\\omega_1+\\omega_2)/4$", 20.0, 20.5), ("$\\omega_2/2$", 32.0, 32.5)):
     speed, beta = tips[0.002, name]
     assert low < np.degrees(beta) < high
-    system = about_rigid_rotation(line(beta, 0.002), speed)
+    system = linearised_about_rigid_rotation(line(beta, 0.002), speed)
     assert abs(np.log(np.abs(hill_multipliers(system)).max())) < 1e-5
     assert (0.02, name) not in tips

@@ -8,19 +8,27 @@ frequency itself, from seven starting angles of eight; 1500 W gets through.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cardan.dynamics.runup import Driven, fates, limited_power, passage, swept
+from cardan.physics.dynamics.run_up import (
+    MotorDrivenShaft,
+    fates,
+    limited_power_run_up,
+    passage,
+    swept_response,
+)
 
 figure, (sweep, capture) = plt.subplots(2, 1, figsize=(7, 7), layout="tight")
 for rate in (0.0005, 0.002, 0.01):
     time = np.linspace(0, 2 / rate, 4000)
-    sweep.plot(rate * time, np.abs(swept(time, rate=rate, damping_ratio=0.01)), label=f"{rate:g}")
+    sweep.plot(
+        rate * time, np.abs(swept_response(time, rate=rate, damping_ratio=0.01)), label=f"{rate:g}"
+    )
 sweep.set(xlabel="frequency over natural frequency", ylabel="amplitude over static deflection")
 sweep.legend(title="sweep rate")
 
 
 def line(power):
     """A motor, a joint of 20 deg, a shaft and a wheel."""
-    return Driven(
+    return MotorDrivenShaft(
         power=power, stall_torque=100, motor=0.2, wheel=1.0, stiffness=2000, damping=0.05,
         drag=0.01, beta=np.radians(20),
     )  # fmt: skip
@@ -29,10 +37,10 @@ def line(power):
 found = {power: fates(line(power)) for power in (120, 400, 1500)}
 for power, colour in ((120, "tab:blue"), (400, "tab:orange"), (1500, "tab:green")):
     # One that ends as most do, and one that does not where there is one.
-    ends = found[power].each
+    ends = found[power].outcomes
     for fate in dict.fromkeys(ends):
         angle = found[power].angle[ends.index(fate)]
-        run = limited_power(line(power), duration=30, start_angle=float(angle))
+        run = limited_power_run_up(line(power), duration=30, start_angle=float(angle))
         label = f"{power} W, {np.degrees(angle):.1f}°: {fate}"
         style = ":" if fate != found[power].worst else "-"
         capture.plot(run.time, run.motor_speed, style, lw=0.7, color=colour, label=label)

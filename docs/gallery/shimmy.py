@@ -1,4 +1,4 @@
-"""Play in the column's joint keeps wheels swinging at a speed where a tight column is calm.
+"""Play in the column's joint keeps wheels in shimmy at a speed where a tight column is calm.
 
 Tight, the wheels shimmy from 62 km/h on, and from 49 if the column's joint stands at 30 deg with
 its pin in plane. At 54 km/h half a degree of play either way is enough: within the play nothing
@@ -8,8 +8,8 @@ holds the gear, so small motions grow until hand wheel and column catch them.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cardan.base.units import deg
-from cardan.dynamics.shimmy import Steering, shimmy
+from cardan.core.units import deg
+from cardan.physics.dynamics.steering_shimmy import Steering, shimmy
 
 SPEED = 15.0
 steering = Steering()
@@ -20,7 +20,7 @@ for of, name in (
     (steering, "tight"), (angled, "tight, joint at 30°, pin in plane"),
     (Steering(column_stiffness=0.0), "loose: within the play"),
 ):  # fmt: skip
-    rates.plot(3.6 * speeds, of.growth(speeds), label=name)
+    rates.plot(3.6 * speeds, of.growth_rate(speeds), label=name)
 rates.axhline(0, color="0.5", lw=0.8)
 rates.axvline(3.6 * SPEED, color="0.5", ls="--", lw=0.8)
 rates.set(xlabel="road speed, km/h", ylabel="growth, 1/s", ylim=(-1, 4))
@@ -38,10 +38,10 @@ plt.show()
 
 # Another program's growth, onsets and sustained swing: 0.0676 deg after 120 s, touching at
 # 0.2351 rad/s; after 40 s it is still a twentieth above.
-assert abs(steering.growth(SPEED) + 0.0595) < 5e-5
-assert abs(steering.onset()[0] - 17.354) < 5e-4
-assert abs(angled.onset()[0] - 13.728) < 5e-4
-assert 1 < runs[0.5].swing(3.0) / deg / 0.0676 < 1.06
-assert abs(runs[0.5].touches[-1] / 0.2351 - 1) < 0.08
+assert abs(steering.growth_rate(SPEED) + 0.0595) < 5e-5
+assert abs(steering.onset_speeds()[0] - 17.354) < 5e-4
+assert abs(angled.onset_speeds()[0] - 13.728) < 5e-4
+assert 1 < runs[0.5].swing_amplitude(3.0) / deg / 0.0676 < 1.06
+assert abs(runs[0.5].impact_speeds[-1] / 0.2351 - 1) < 0.08
 assert abs(runs[0.5].frequency(10.0) - 1.53) < 0.02
-assert runs[0.0].swing(3.0) < 0.2 * runs[0.5].swing(3.0)
+assert runs[0.0].swing_amplitude(3.0) < 0.2 * runs[0.5].swing_amplitude(3.0)

@@ -11,26 +11,26 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import cardan
-from cardan.files.study import read
-from cardan.study.reduce import cells, tighter
+from cardan.topics.variants.schema import read_variant_study
+from cardan.topics.variants.statistics import halved_tolerance_yields, yield_map_cell_counts
 
 here = Path(cardan.__file__).parents[2]
 truck = cardan.read(here / "examples" / "refuse-collector-6x2.yaml")
-asked = read(here / "docs" / "gallery" / "tolerances.yaml", truck)
+request = read_variant_study(here / "docs" / "gallery" / "tolerances.yaml", truck)
 found = cardan.study(
-    truck, asked.vary, tolerances=asked.tolerances, n=1024, limits=asked.ask.limits, rows=None
+    truck, request.vary, tolerances=request.tolerances, n=1024, limits=request.ask.limits, rows=None
 )
-names = [found.drawing.called(f) for f in found.drawing.factors if f.tolerance]
-share, error = tighter(found.states["tighter"])
+names = [found.sampling_plan.name_of(f) for f in found.sampling_plan.factors if f.tolerance]
+share, error = halved_tolerance_yields(found.statistics["tighter"])
 gain = 100 * (share[:, 0] - found.yield_)
 order = np.argsort(gain)
 
 figure, (bars, scatter) = plt.subplots(2, 1, figsize=(7, 7))
 bars.barh([names[k] for k in order], gain[order], xerr=200 * error[order, 0])
 bars.set(xlabel=f"gain in yield with half the tolerance, % (of {found.yield_:.0%} now)")
-worst = int(found.states["counts"]["grades"][:, 2].argmax())
+worst = int(found.statistics["counts"]["grades"][:, 2].argmax())
 limit = found.limits[worst][1]
-values, counts = cells(found.states["values"], worst)
+values, counts = yield_map_cell_counts(found.statistics["values"], worst)
 scatter.hist(values, bins=40, weights=counts)
 scatter.axvline(limit.maximum, color="r")
 scatter.set(xlabel=f"{limit.quantity}, SI, and its maximum", ylabel="trucks")

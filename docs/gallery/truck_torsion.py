@@ -7,11 +7,16 @@ rise where their multiples meet a natural frequency.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cardan.base.units import rpm
-from cardan.dynamics.periodic import growth, over
-from cardan.dynamics.torsion import about_forced_orbit, natural_frequencies, of_line, orbit
-from cardan.model.layout import direction
+from cardan.core.units import rpm
+from cardan.model.layout import direction_from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft, Tube
+from cardan.physics.dynamics.floquet import evaluate_in_chunks, growth_rate
+from cardan.physics.dynamics.torsional_line import (
+    linearised_about_periodic_motion,
+    natural_frequencies,
+    periodic_motion,
+    torsional_line_model,
+)
 
 tube = Tube(outer=0.127, wall=0.0034)
 truck = Line(
@@ -20,14 +25,14 @@ truck = Line(
         Shaft(length=1.51, tube=tube, yoke_inertia=0.05),
     )
 )
-slopes = direction(side=np.radians([4.0, 2.8, 4.0, 2.4]), top=np.zeros(4))
-line = of_line(
+slopes = direction_from_slopes(side=np.radians([4.0, 2.8, 4.0, 2.4]), top=np.zeros(4))
+line = torsional_line_model(
     truck, slopes, gearbox_inertia=1.2, gearbox_stiffness=9e3, axle_inertia=3.0,
     axle_stiffness=25e3, damping_ratio=0.03, torque=1500.0,
 )  # fmt: skip
 w = natural_frequencies(line)
 speeds = np.linspace(300, 2600, 160) * rpm
-motion = orbit(line, speeds)
+motion = periodic_motion(line, speeds)
 
 figure, (campbell, torque) = plt.subplots(2, 1, figsize=(7, 7), sharex=True)
 for order in (2, 4):
@@ -53,5 +58,7 @@ plt.show()
 
 top = speeds[np.abs(motion.order(2)[:, 1]).argmax()]
 assert abs(2 * top / w[:2] - 1).min() < 0.03  # order 2 peaks where it meets a frequency
-rates = over(lambda speed: growth(about_forced_orbit(line, speed)), speeds, chunk=8)
+rates = evaluate_in_chunks(
+    lambda speed: growth_rate(linearised_about_periodic_motion(line, speed)), speeds, chunk=8
+)
 assert np.all(rates < 0)  # and nothing grows by itself

@@ -1,4 +1,4 @@
-"""Who broke the bracket? Told from a recording, once with guilty joints and once without.
+"""Who broke the bracket? Found from a recording, once with dominant joints and once without.
 
 A two-piece driveline hangs on a centre bearing whose bracket cracks. Its gauge is recorded on
 the route. The geometry says how hard the joints shake the bearing (order 2, in proportion to
@@ -10,20 +10,32 @@ known. The bracket's unit stresses are assumed.
 import matplotlib.pyplot as plt
 import numpy as np
 
-from cardan.base.units import MPa, deg
-from cardan.fatigue.cause import EVENTS, JOINTS, separation, stress_per_torque, suspects
-from cardan.fatigue.life import Plan, causes, life, look
-from cardan.fatigue.orders import rotation_from_speed
-from cardan.fatigue.strain import direct
-from cardan.fatigue.strength import SNCurve
-from cardan.fatigue.synthetic import AXLE_RATIO, Gains, synthetic
-from cardan.kinematics.chain import turn
-from cardan.loads import loads
-from cardan.model.layout import from_slopes
+from cardan.core.units import MPa, deg
+from cardan.model.layout import layout_from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft
-from cardan.report.language import EN
-from cardan.report.life import figure, gauges, who
-from cardan.report.terminal import columns
+from cardan.physics.fatigue.sn_curve import SNCurve
+from cardan.physics.fatigue.strain_gauges import single_gauge
+from cardan.physics.kinematics.joint_chain import rotate_chain
+from cardan.physics.loads.statics import joint_loads
+from cardan.physics.signals.assessment import (
+    AssessmentSettings,
+    assess_gauges,
+    survey_channel_quality,
+)
+from cardan.physics.signals.cause_assessment import attribute_damage
+from cardan.physics.signals.damage_attribution import (
+    CAUSE_JOINTS,
+    CAUSE_SUDDEN_EVENTS,
+    source_separation,
+    stress_per_torque,
+    vibration_sources,
+)
+from cardan.physics.signals.order_tracking import rotation_from_speed
+from cardan.physics.signals.synthetic import AXLE_RATIO, GaugeStressPerCause, synthetic_recording
+from cardan.render.i18n import ENGLISH
+from cardan.render.terminal import aligned_column_lines
+from cardan.topics.recording.figure_presentation import draw_recording_figure
+from cardan.topics.recording.presentation import damage_cause_lines, gauge_rows
 
 UNIT_STRESS = np.array([10.0, 25.0, 35.0]) * MPa / 1e3  # per N along x, y, z: assumed
 LENGTHS = (1.2, 1.5)
@@ -45,46 +57,51 @@ def predicted(side, phase):
             Shaft(length=LENGTHS[1]),
         )
     )
-    layout = from_slopes(side=np.array(side) * deg, top=np.zeros(4), lengths=LENGTHS)
-    chain = turn(layout.directions, phases=line.phases)
-    force = loads(layout, chain, line, torque=1.0).bearing_forces.order(2)[0]
+    layout = layout_from_slopes(side=np.array(side) * deg, top=np.zeros(4), lengths=LENGTHS)
+    chain = rotate_chain(layout.directions, phases=line.phases)
+    force = joint_loads(layout, chain, line, torque=1.0).bearing_forces.order(2)[0]
     return float(stress_per_torque(force, UNIT_STRESS))
 
 
 def analysed(per_torque, seed):
     """Drive the route, analyse the recording and say who did it."""
-    gains = Gains(joints=per_torque * 10e3, events=35 * MPa, road=4 * MPa)
-    drive = synthetic(seconds=600, gains={"S1": gains}, seed=seed).recording
-    plan = Plan(gauges=(direct("S1", "S1", factor=MPa),), curve=CURVE, gauge_error=0.03)
+    gains = GaugeStressPerCause(joints=per_torque * 10e3, events=35 * MPa, road=4 * MPa)
+    drive = synthetic_recording(seconds=600, gains={"S1": gains}, seed=seed).recording
+    plan = AssessmentSettings(
+        gauges=(single_gauge("S1", "S1", factor=MPa),), curve=CURVE, gauge_error=0.03
+    )
     shaft, engine = (
         rotation_from_speed(drive.pieces([c]), rate=drive.rate, unit=1 / 60)
         for c in ("shaft_speed", "engine_speed")
     )
-    named = suspects(shaft, engine=engine, wheel=shaft.geared(1 / AXLE_RATIO))
-    healths = look(drive, channels=plan.channels)
-    lives = life(drive, plan=plan, healths=healths)
-    found = causes(
-        drive, plan=plan, healths=healths, how=separation(named, rate=drive.rate),
+    named = vibration_sources(shaft, engine=engine, wheel=shaft.geared(1 / AXLE_RATIO))
+    healths = survey_channel_quality(drive, channels=plan.channels)
+    lives = assess_gauges(drive, plan=plan, healths=healths)
+    found = attribute_damage(
+        drive, plan=plan, healths=healths, how=source_separation(named, rate=drive.rate),
         torque=("torque", 1e3), predicted={"S1": per_torque},
     )  # fmt: skip
     return drive, plan, lives, found
 
 
-told = {}
+compared = {}
 for seed, (name, (side, phase)) in enumerate(CASES.items(), start=7):
     per_torque = predicted(side, phase)
     drive, plan, lives, found = analysed(per_torque, seed)
-    told[name] = found.attributions[0], found.comparisons[0]
+    compared[name] = found.attributions[0], found.comparisons[0]
     print(f"{name}: predicted order 2 {per_torque * 1e3 / MPa:.2f} MPa per kN m at the gauge")
-    for line in (*columns(gauges(lives, EN)), *who(lives, found)):
+    for line in (
+        *aligned_column_lines(gauge_rows(lives, ENGLISH)),
+        *damage_cause_lines(lives, found),
+    ):
         print("  " + line)
     sheet = plt.figure(figsize=(11, 10), layout="constrained")
-    figure(sheet, recording=drive, lives=lives, causes=found)
+    draw_recording_figure(sheet, recording=drive, lives=lives, causes=found)
 
-innocent, guilty = (told[name][0] for name in CASES)
-assert innocent.share(JOINTS) < 0.03
-assert max(innocent.shares, key=innocent.share) == EVENTS
-assert guilty.share(JOINTS) > 0.5
-assert guilty.without(JOINTS) < guilty.whole / 2
-for _, comparison in told.values():
+not_dominant, dominant = (compared[name][0] for name in CASES)
+assert not_dominant.share(CAUSE_JOINTS) < 0.03
+assert max(not_dominant.shares, key=not_dominant.share) == CAUSE_SUDDEN_EVENTS
+assert dominant.share(CAUSE_JOINTS) > 0.5
+assert dominant.without(CAUSE_JOINTS) < dominant.total_damage / 2
+for _, comparison in compared.values():
     assert abs(comparison.ratio - 1) < 0.1  # the geometry predicts what the gauge felt
