@@ -14,7 +14,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # Compiled once, for each of the processes that tests start; an image that forbids it is not ours.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: check serve test texts bracket long lint docs oracle office browser front pictures slow mutants bench clean
+.PHONY: check serve test lowest texts bracket long lint docs oracle office browser front pictures slow mutants bench clean
 
 check: $(VENV)/cardan       ## check FILE, the main job
 	@$(BIN)/cardan check $(FILE); code=$$?; [ $$code -le 1 ] || exit $$code
@@ -26,7 +26,7 @@ test: $(VENV)/cardan-test   ## the whole test suite
 	$(PYTEST)
 
 texts: $(VENV)/cardan-test  ## what has no translation yet, by language
-	$(BIN)/python -m pytest -q tests/unit/test_texts.py tests/unit/test_report.py -k "texts or translated or catalogue or language"
+	$(BIN)/python -m pytest -q tests/unit/render/test_translations.py tests/unit/documents/test_approval_report.py -k "texts or translated or catalogue or language"
 
 lint: $(VENV)/cardan-lint $(VENV)/cardan-test   ## format, lint, types, floors
 	$(BIN)/ruff format --check .
@@ -52,13 +52,15 @@ long: $(VENV)/cardan-bracket $(VENV)/cardan-oracles $(VENV)/cardan-test  ## what
 	$(PYTEST) --dist loadscope -m "long"
 
 office: $(VENV)/cardan-test  ## workbooks recomputed by LibreOffice
-	$(BIN)/python -m pytest -q -m "office" tests/office
+	$(BIN)/python -m pytest -q -m "office and not long" tests/office
 
 browser: $(VENV)/cardan-browser $(VENV)/cardan-test node_modules/axe-core $(PAGE)  ## pages read in Chromium
-	$(PYTEST) -m "browser" tests/browser
+	$(PYTEST) -m "browser and not long" tests/browser
 
-pictures: $(VENV)/cardan-browser $(VENV)/cardan-test $(PAGE)   ## the workbench's pictures in docs, taken anew
+pictures: $(VENV)/cardan-browser $(VENV)/cardan-test $(PAGE)   ## every picture in docs and the live page, made anew
 	$(BIN)/python docs/pictures.py
+	$(BIN)/python docs/reports/make.py
+	$(BIN)/python docs/case.py
 
 front: web/node_modules   ## the workbench's page: types and unit tests
 	cd web && npm run --silent types && npm run --silent test
@@ -66,8 +68,12 @@ front: web/node_modules   ## the workbench's page: types and unit tests
 slow: $(VENV)/cardan-test  ## what takes seconds or minutes: recordings made to mislead, searches, bombs
 	$(PYTEST) -m "slow and not bracket and not oracle and not long"
 
-mutants: $(VENV)/cardan-test  ## small wrong changes, one by one: each must turn a test red
-	$(BIN)/python tests/mutants
+lowest: $(VENV)-lowest/made  ## unit tests with the lowest versions of libraries that are allowed
+	$(VENV)-lowest/bin/python -m pytest -q -n 2 --dist worksteal tests/unit
+
+MODULE ?= physics/loads/statics.py
+mutants: $(VENV)/cardan-mutants $(VENV)/cardan-test  ## mutation testing of MODULE: lists mutants that survive
+	$(BIN)/python tests/mutants $(MODULE)
 
 bench: $(VENV)/cardan-bench $(VENV)/cardan-oracles $(VENV)-peers/made  ## performance, as ratios in one run
 	CARDAN_PEERS=$(CURDIR)/$(VENV)-peers/bin/python $(BIN)/python -m benchmarks
@@ -97,9 +103,16 @@ $(VENV)-peers/made:
 	$(VENV)-peers/bin/python -m pip --quiet --disable-pip-version-check install $$peer || true; done
 	@touch $@
 
+$(VENV)-lowest/made: pyproject.toml tests/lowest_versions.py
+	$(PYTHON) -m venv $(VENV)-lowest
+	$(VENV)-lowest/bin/python tests/lowest_versions.py > $(VENV)-lowest/constraints.txt
+	$(VENV)-lowest/bin/python -m pip --quiet --disable-pip-version-check install --only-binary :all: \
+	  --constraint $(VENV)-lowest/constraints.txt --editable .[test]
+	@touch $@
+
 node_modules/axe-core:
 	npm install --silent --no-save --no-package-lock axe-core@4.14.1
 
 clean:
 	rm -rf $(VENV) node_modules web/node_modules web/made src/cardan/web/static site build dist \
-	  $(VENV)-peers
+	  $(VENV)-peers $(VENV)-lowest

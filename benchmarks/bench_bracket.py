@@ -21,11 +21,11 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verify"))
 import calculix
 import numpy as np
 
-from cardan.base.units import mm
-from cardan.bracket.shape import solid
-from cardan.bracket.unit import unit_solutions
+from cardan.core.units import mm
 from cardan.model.bracket import LShape
 from cardan.model.material import STEEL
+from cardan.physics.fem.geometry import build_solid
+from cardan.physics.fem.unit_loads import mesh_and_solve_unit_loads
 
 BRACKET = LShape(
     seat_diameter=52 * mm, width=180 * mm, wall_width=144 * mm, depth=90 * mm, thickness=8 * mm,
@@ -46,7 +46,7 @@ def ours(size, folder):
         now = time.perf_counter()
         laps[what], last = now - last, now
 
-    units = unit_solutions(solid(BRACKET), STEEL, size=size, hold="clamped")
+    units = mesh_and_solve_unit_loads(build_solid(BRACKET), STEEL, size=size, hold="clamped")
     lap("mesh, factor, 9 loads")
     units.at_nodes  # noqa: B018  computed on first use
     lap("stresses at the nodes")
@@ -59,7 +59,7 @@ def ours(size, folder):
     nodes = units.elastic.nodes
     loads = calculix.seat_loads(nodes)
     text = calculix.deck(
-        nodes, STEEL, held=tuple(units.solid.held("clamped")), loads=loads, modes=6
+        nodes, STEEL, held=tuple(units.solid.fixed_faces("clamped")), loads=loads, modes=6
     )
     (folder / "deck.inp").write_text(text)
     np.savez(folder / "ours.npz", u=units.at_nodes[0][:, :6], frequencies=frequencies)

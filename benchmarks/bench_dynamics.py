@@ -11,24 +11,24 @@ import time
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from cardan.dynamics.chart import boundary
-from cardan.dynamics.periodic import growth, monodromy, over
-from cardan.dynamics.torsion import TorsionLine, about_rigid_rotation
+from cardan.physics.dynamics.floquet import evaluate_in_chunks, growth_rate, monodromy_matrix
+from cardan.physics.dynamics.stability_chart import zero_contour
+from cardan.physics.dynamics.torsional_line import TorsionalLine, linearised_about_rigid_rotation
 
 SPEEDS, ANGLES = np.linspace(0.4, 2.0, 200), np.radians(np.linspace(1, 40, 200))
 
 
 def system(speed, beta):
     """Asokanthan's two coordinates, all ones, lightly damped."""
-    line = TorsionLine(
+    line = TorsionalLine(
         beta=np.stack([beta, np.zeros_like(beta)], axis=-1), stiffness=np.ones(2),
         driving=np.ones(2), driven=np.zeros(2), damping=0.01,
     )  # fmt: skip
-    return about_rigid_rotation(line, speed)
+    return linearised_about_rigid_rotation(line, speed)
 
 
 def rate(speed, beta, tolerance=1e-7):
-    return growth(system(speed, beta), tolerance=tolerance)
+    return growth_rate(system(speed, beta), tolerance=tolerance)
 
 
 def loop_monodromy(speed, beta, tolerance):
@@ -62,14 +62,14 @@ def chart_against_a_loop():
     """Print a row: our chart, the loop's, and their ratio."""
     x, y = np.meshgrid(SPEEDS, ANGLES, indexing="ij")
     start = time.perf_counter()
-    chart = over(rate, x, y)
+    chart = evaluate_in_chunks(rate, x, y)
     ours = time.perf_counter() - start
 
     rng = np.random.default_rng(1)
     picked = rng.integers(0, x.size, 60)
     s, b = x.ravel()[picked], y.ravel()[picked]
-    exact = monodromy(system(s, b), tolerance=1e-13)
-    error = np.abs(monodromy(system(s, b), tolerance=1e-7) - exact).max()
+    exact = monodromy_matrix(system(s, b), tolerance=1e-13)
+    error = np.abs(monodromy_matrix(system(s, b), tolerance=1e-7) - exact).max()
     for tolerance in 10.0 ** np.arange(-3, -13, -1):
         start = time.perf_counter()
         looped = np.stack([loop_monodromy(*p, tolerance) for p in zip(s, b, strict=True)])
@@ -93,15 +93,15 @@ def boundary_against_the_grid():
     def margin(speed, beta):
         nonlocal calls
         calls += speed.size
-        return over(rate, speed, beta)
+        return evaluate_in_chunks(rate, speed, beta)
 
     start = time.perf_counter()
-    line = boundary(
+    line = zero_contour(
         margin, x=(0.4, 2.0), y=(np.radians(1), np.radians(40)), start=(200, 12), levels=3
     )
     refined = time.perf_counter() - start
     start = time.perf_counter()
-    grid = over(rate, *np.meshgrid(SPEEDS, ANGLES, indexing="ij"))
+    grid = evaluate_in_chunks(rate, *np.meshgrid(SPEEDS, ANGLES, indexing="ij"))
     brute = time.perf_counter() - start
     # Every boundary of the grid has a point of the line within a cell of it, and far closer
     # on the line: the grid knows it to a cell, the line to a millionth of one.

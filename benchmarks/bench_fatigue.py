@@ -97,23 +97,29 @@ def rainflow_rows(samples):
     """Seconds of each package for the same signal, and the cycles it closed."""
     from scipy.signal import lfilter
 
-    from cardan.fatigue.kernel import plain
-    from cardan.fatigue.rainflow import NONE, FromTo, four_point, join, rainflow
+    from cardan.physics.fatigue.rainflow import (
+        EMPTY_REVERSALS,
+        FromToMatrix,
+        concatenate_cycles,
+        four_point,
+        rainflow,
+    )
+    from cardan.physics.fatigue.rainflow_kernels import extract_closed_cycles_without_numba
 
     rng = np.random.default_rng(0)
     x = lfilter([0.1], [1, -0.9], rng.normal(size=samples))
     four_point(x[:1000])  # compiled here, once
 
     def in_pieces():
-        matrix, residue = FromTo.empty(), NONE
+        matrix, residue = FromToMatrix.empty(), EMPTY_REVERSALS
         for start in range(0, samples, 1 << 18):
             cycles, residue = four_point(x[start : start + (1 << 18)], residue=residue)
-            matrix = matrix.added(cycles)
+            matrix = matrix.with_cycles(cycles)
         return matrix.counts.sum()
 
     def without_numba():
-        closed, _ = four_point(x, kernel=plain)
-        return join([closed]).count.size
+        closed, _ = four_point(x, kernel=extract_closed_cycles_without_numba)
+        return concatenate_cycles([closed]).count.size
 
     ours = {
         "cardan, whole signal, every cycle": lambda: rainflow(x).count.size,
@@ -145,15 +151,17 @@ def write_recording(path, gigabytes):
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    from cardan.base.units import MPa
-    from cardan.fatigue.synthetic import Gains, synthetic
+    from cardan.core.units import MPa
+    from cardan.physics.signals.synthetic import GaugeStressPerCause, synthetic_recording
 
-    made = synthetic(
-        seconds=524.288, rate=RATE,
-        gains={g: Gains(joints=(3 + 8 * k) * MPa) for k, g in enumerate(GAUGES)}, seed=1,
-    )  # fmt: skip
+    made = synthetic_recording(
+        seconds=524.288,
+        rate=RATE,
+        gains={g: GaugeStressPerCause(joints=(3 + 8 * k) * MPa) for k, g in enumerate(GAUGES)},
+        seed=1,
+    )
     names = [*GAUGES, "shaft_speed", "engine_speed", "torque"]
-    data = made.recording.whole(names).astype(np.float32)
+    data = made.recording.read_all(names).astype(np.float32)
     units = [made.recording.channel(n).unit for n in names]
     schema = pa.schema(
         [
@@ -197,7 +205,7 @@ def write_mdf(path, parquet, gigabytes, *, compression):
     signals = [
         asammdf.Signal(
             table.column(n).to_numpy(), time_of, name=n,
-            unit=(schema.field(n).metadata or {}).get(b"unit", b"").decode(),
+            unit=(schema.displacement_field(n).metadata or {}).get(b"unit", b"").decode(),
         )
         for n in names
     ]  # fmt: skip
@@ -210,32 +218,37 @@ def write_mdf(path, parquet, gigabytes, *, compression):
 WORK = {
     "just reading": "for piece in r.pieces(): pass",
     "speed estimated from a gauge": (
-        "estimated_rotation(r.pieces(plan.gauges[0].channels), rate=r.rate)"
+        "estimate_rotation_from_vibration(r.pieces(plan.gauges[0].channels), rate=r.rate)"
     ),
-    "life of five gauges": "life(r, plan=plan)",
+    "life of five gauges": "assess_gauges(r, plan=plan)",
     "life and causes of one gauge": (
         "plan = replace(plan, gauges=plan.gauges[:1]);"
-        "h = look(r, channels=plan.channels); life(r, plan=plan, healths=h);"
+        "h = survey_channel_quality(r, channels=plan.channels);"
+        "assess_gauges(r, plan=plan, healths=h);"
         "s, e = (rotation_from_speed(r.pieces([c]), rate=r.rate, unit=1 / 60)"
         " for c in ('shaft_speed', 'engine_speed'));"
-        "causes(r, plan=plan, healths=h, how=separation(suspects(s, engine=e), rate=r.rate))"
+        "how = source_separation(vibration_sources(s, engine=e), rate=r.rate);"
+        "attribute_damage(r, plan=plan, healths=h, how=how)"
     ),
 }
 SETUP = """
 import time, json
 from dataclasses import replace
 from pathlib import Path
-from cardan.base.units import MPa
-from cardan.fatigue.cause import separation, suspects
-from cardan.fatigue.life import Plan, causes, life, look
-from cardan.fatigue.orders import estimated_rotation, rotation_from_speed
-from cardan.fatigue.rainflow import four_point
-from cardan.fatigue.strain import direct
-from cardan.fatigue.strength import SNCurve
-from cardan.files.recordings import open_recording
+from cardan.core.units import MPa
+from cardan.physics.signals.damage_attribution import source_separation, vibration_sources
+from cardan.physics.signals.assessment import AssessmentSettings, assess_gauges
+from cardan.physics.signals.assessment import survey_channel_quality
+from cardan.physics.signals.cause_assessment import attribute_damage
+from cardan.physics.signals.order_tracking import estimate_rotation_from_vibration
+from cardan.physics.signals.order_tracking import rotation_from_speed
+from cardan.physics.fatigue.rainflow import four_point
+from cardan.physics.fatigue.strain_gauges import single_gauge
+from cardan.physics.fatigue.sn_curve import SNCurve
+from cardan.readers.dispatch import open_recording
 path = {path!r}
 r = open_recording(Path(path))
-plan = Plan(gauges=tuple(direct(g, g, factor=MPa) for g in {gauges!r}),
+plan = AssessmentSettings(gauges=tuple(single_gauge(g, g, factor=MPa) for g in {gauges!r}),
             curve=SNCurve(amplitude=30 * MPa, cycles=2e6, slope=5).modified())
 four_point([0.0, 1.0])
 import scipy.signal  # a second of imports, once a process

@@ -20,18 +20,22 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verify"))
 
 from engine import Mechanism
 
-from cardan.base.arrays import chunked
-from cardan.base.units import deg
-from cardan.kinematics.chain import turn
-from cardan.kinematics.equivalent import Excitation, ae7, excitation
-from cardan.model.layout import Layout, direction, from_slopes
+from cardan.core.arrays import in_chunks
+from cardan.core.units import deg
+from cardan.model.layout import Layout, direction_from_slopes, layout_from_slopes
+from cardan.physics.kinematics.equivalent_angle import (
+    KinematicExcitation,
+    ae7_excitation,
+    excitation_of_rotating_chain,
+)
+from cardan.physics.kinematics.joint_chain import rotate_chain
 
 VARIANTS, SPEED, INERTIAS = 1_000_000, 260.0, (0.08, 0.07, 0.10)
 RNG = np.random.default_rng(1)
 SIDE, TOP = RNG.normal(0.0, 3 * deg, (2, VARIANTS, 4))
 PHASES = RNG.choice([0.0, 90 * deg], (VARIANTS, 3)) + RNG.normal(0.0, 1 * deg, (VARIANTS, 3))
 
-LINE = from_slopes(
+LINE = layout_from_slopes(
     side=np.array([4, 3, 2, 7, 3]) * deg,
     top=np.array([0, 1, -1, 0.5, 0]) * deg,
     lengths=[1.2, 1.1, 1.4],
@@ -39,17 +43,17 @@ LINE = from_slopes(
 YOKES = np.array([0.0, 90.0, 0.0]) * deg
 
 
-def phasors(side: Any, top: Any, phases: Any) -> Excitation:
+def phasors(side: Any, top: Any, phases: Any) -> KinematicExcitation:
     """AE-7's excitation of variants, with inertia torques."""
-    return ae7(side, top, phases=phases, speed=SPEED, inertias=INERTIAS)
+    return ae7_excitation(side, top, phases=phases, speed=SPEED, inertias=INERTIAS)
 
 
-def exact(side: Any, top: Any, phases: Any) -> Excitation:
+def exact(side: Any, top: Any, phases: Any) -> KinematicExcitation:
     """The same from view angles, exactly: directions, phasors, peaks."""
     slopes = (np.cumsum(view, axis=-1) for view in (side, top))
     side, top = (np.concatenate([0 * s[:, :1], s], axis=-1) for s in slopes)
-    line = turn(direction(side=side, top=top), phases=phases)
-    return excitation(line, speed=SPEED, inertias=INERTIAS)
+    line = rotate_chain(direction_from_slopes(side=side, top=top), phases=phases)
+    return excitation_of_rotating_chain(line, speed=SPEED, inertias=INERTIAS)
 
 
 def best(*works: Callable[[], object], rounds: int = 5) -> list[float]:
@@ -68,14 +72,16 @@ def row(what: str, target: str, measured: str) -> None:
     print(f"| {what} | {target} | {measured} |")
 
 
-def swept(work: Callable[..., Excitation], threads: int, variants: int) -> Callable[[], Excitation]:
+def swept(
+    work: Callable[..., KinematicExcitation], threads: int, variants: int
+) -> Callable[[], KinematicExcitation]:
     """Return a sweep of the first so many variants, in chunks that suit the work."""
     size = 16384 if work is phasors else 4096
 
-    def sweep() -> Excitation:
+    def sweep() -> KinematicExcitation:
         with ThreadPoolExecutor(threads) as pool:
             cases = (SIDE[:variants], TOP[:variants], PHASES[:variants])
-            return chunked(work, *cases, size=size, executor=pool)
+            return in_chunks(work, *cases, size=size, executor=pool)
 
     return sweep
 
@@ -124,7 +130,7 @@ def turns() -> None:
     def ours(layout: Layout, angles: int, repeats: int) -> Callable[[], object]:
         def work() -> object:
             for _ in range(repeats):
-                line = turn(layout.directions, phases=YOKES, samples=angles)
+                line = rotate_chain(layout.directions, phases=YOKES, samples=angles)
                 kept = line.lead, line.speed, line.acceleration
             return kept
 

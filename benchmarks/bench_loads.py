@@ -16,10 +16,10 @@ from time import perf_counter
 
 import numpy as np
 
-from cardan.kinematics.chain import turn
-from cardan.loads import Loads, loads
-from cardan.model.layout import Layout, from_slopes
+from cardan.model.layout import Layout, layout_from_slopes
 from cardan.model.parts import CentreBearing, Line, Shaft
+from cardan.physics.kinematics.joint_chain import rotate_chain
+from cardan.physics.loads.statics import JointLoads, joint_loads
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "verify"))
 
@@ -43,8 +43,10 @@ def best(work: Callable[[], object], *, repeats: int) -> float:
     return min(times)
 
 
-def ours(layout: Layout) -> Loads:
-    return loads(layout, turn(layout.directions, phases=LINE.phases), LINE, torque=1.0)
+def ours(layout: Layout) -> JointLoads:
+    return joint_loads(
+        layout, rotate_chain(layout.directions, phases=LINE.phases), LINE, torque=1.0
+    )
 
 
 def exudyn(layout: Layout, samples: int) -> np.ndarray:
@@ -73,9 +75,9 @@ def apart(found: np.ndarray, reference: np.ndarray) -> float:
 
 def main() -> None:
     """Print the rows, each as a ratio to the faster of the engines."""
-    layout = from_slopes(side=SIDE, top=TOP, lengths=LINE.lengths)
+    layout = layout_from_slopes(side=SIDE, top=TOP, lengths=LINE.lengths)
     spread = np.random.default_rng(1).normal(scale=0.02, size=(2, CASES, 4))
-    many = from_slopes(side=SIDE + spread[0], top=TOP + spread[1], lengths=LINE.lengths)
+    many = layout_from_slopes(side=SIDE + spread[0], top=TOP + spread[1], lengths=LINE.lengths)
     print("| what | target | measured |\n| --- | --- | --- |")
     for samples in (64, 360):
         race(layout, many, samples)

@@ -18,11 +18,13 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time, thread_time
 
-from cardan import files
-from cardan.base.arrays import memory_kept, single_threaded
-from cardan.model.variants import Ask
-from cardan.study.shards import Job, packed, study, unpacked, workers_of
-from cardan.study.sweep import Bench, variants_of
+from cardan.application import reader
+from cardan.core.arrays import retain_freed_memory, single_threaded_blas
+from cardan.model.variants import VariantOutputs
+from cardan.topics.variants.evaluation import VariantEvaluator, build_variants
+from cardan.topics.variants.executors import open_executor
+from cardan.topics.variants.runner import run_study
+from cardan.topics.variants.shard_job import ShardJob, deserialise_shard_job, serialise_shard_job
 
 TRUCK = Path(__file__).parents[1] / "examples" / "refuse-collector-6x2.yaml"
 TOLERANCES = {
@@ -50,23 +52,25 @@ def cluster():
 def main() -> None:
     """Print the rows."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else COUNT
-    truck = files.read(TRUCK)
+    truck = reader.read(TRUCK)
     print("| what | target | measured |\n| --- | --- | --- |")
-    with single_threaded():
+    with single_threaded_blas():
         for what, limits in (("every limit", ()), ("limits of its geometry alone", GEOMETRY)):
-            bench = Bench.of(truck, variants_of({}, TOLERANCES, ask=Ask(limits=limits)))
-            bench.rows(0, 64)  # warm
+            bench = VariantEvaluator.from_application(
+                truck, build_variants({}, TOLERANCES, ask=VariantOutputs(limits=limits))
+            )
+            bench.evaluate_range(0, 64)  # warm
             begun = process_time()
-            bench.rows(0, count)
+            bench.evaluate_range(0, count)
             rate = count / (process_time() - begun)
             print(f"| variants a second a core, {what} | 10000 | {rate:.0f} |", flush=True)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"| memory at its peak, {count} variants | bounded | {peak:.0f} MiB |")
 
     for what, limits in (("geometry", GEOMETRY), ("every limit", ())):
-        asked = variants_of(SET, TOLERANCES, ask=Ask(limits=limits, foretold=MILLION))
+        asked = build_variants(SET, TOLERANCES, ask=VariantOutputs(limits=limits, foretold=MILLION))
         begun, spent = perf_counter(), process_time()
-        found = study(truck, asked, count=2048, workers=2).foretold
+        found = run_study(truck, asked, count=2048, workers=2).surrogate_yield
         print(
             f"| a million draws, {what}, foretold from 2048 asked, 2 threads | 10 s "
             f"| {perf_counter() - begun:.1f} s, {process_time() - spent:.1f} of the processor: "
@@ -74,8 +78,8 @@ def main() -> None:
             flush=True,
         )  # fmt: skip
 
-    asked = variants_of(SET, TOLERANCES, ask=Ask(limits=GEOMETRY))
-    parcel = packed(Job.of(truck, asked, seed=0, points=None))
+    asked = build_variants(SET, TOLERANCES, ask=VariantOutputs(limits=GEOMETRY))
+    parcel = serialise_shard_job(ShardJob.from_study(truck, asked, seed=0, points=None))
 
     def told(what: str, target: str, pool: Executor) -> None:
         def of_two() -> tuple[float, float]:
@@ -115,18 +119,18 @@ def main() -> None:
         return
     with ThreadPoolExecutor(2) as threads:
         told("threads", "-", threads)
-    with workers_of("processes", 2) as pool:
+    with open_executor("processes", 2) as pool:
         told("processes", "0.9", pool)
     if find_spec("distributed"):
-        with cluster() as address, workers_of(address, 2) as pool:
+        with cluster() as address, open_executor(address, 2) as pool:
             told("workers of a Dask cluster", "0.8", pool)
 
 
 def cost(job: bytes, start: int, stop: int) -> float:
     """Return the processor time of a shard, s, of the thread that asks it."""
-    with single_threaded(), memory_kept():
+    with single_threaded_blas(), retain_freed_memory():
         begun = thread_time()
-        unpacked(job).shard(start, stop)
+        deserialise_shard_job(job).run_shard(start, stop)
         return thread_time() - begun
 
 

@@ -13,10 +13,10 @@ from time import perf_counter
 
 import numpy as np
 
-from cardan import files
-from cardan.demand.states import demand, resolve
-from cardan.quantity.quantities import ANSWERED
-from cardan.quantity.response import respond
+from cardan.application import overrides, reader
+from cardan.checks.line_response import compute_line_response
+from cardan.checks.quantities.registry import LINE_QUANTITIES
+from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
 
 TRUCK = Path(__file__).parents[1] / "examples" / "refuse-collector-6x2.yaml"
 BETWEEN = {
@@ -30,13 +30,15 @@ VARIANTS, BATCH, ALONE = 256, 64, 20
 def main() -> None:
     """Print the rows."""
     count = int(sys.argv[1]) if len(sys.argv) > 1 else VARIANTS
-    truck, rng = files.read(TRUCK), np.random.default_rng(1)
+    truck, rng = reader.read(TRUCK), np.random.default_rng(1)
     drawn = {at: rng.uniform(low, high, count) for at, (low, high) in BETWEEN.items()}
 
     def ask(where: slice | int, skip: tuple[str, ...] = ()) -> None:
-        changed = files.change(truck, {at: values[where] for at, values in drawn.items()})
-        response = respond(changed, demand(resolve(changed, changed.lines[0])))
-        for key, q in ANSWERED.items():
+        changed = overrides.change(truck, {at: values[where] for at, values in drawn.items()})
+        response = compute_line_response(
+            changed, line_state_demand(resolve_line_references(changed, changed.lines[0]))
+        )
+        for key, q in LINE_QUANTITIES.items():
             if key not in skip:
                 q.values(response)
 

@@ -147,7 +147,7 @@ def missing() -> str:
 
         from cardan.web import server
 
-        server.front()
+        server.static_files()
     except ModuleNotFoundError as error:
         return f"{error.name}"
     except Exception as error:  # noqa: BLE001  the page is not built
@@ -229,7 +229,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / TRUCK.name
         path.write_bytes(TRUCK.read_bytes())
-        with running(path, Path(folder) / "drafts", built=server.front()) as house:
+        with running(path, Path(folder) / "drafts", built=server.static_files()) as house:
             ours, theirs = browser(), browser()
             ours.set_script_timeout(120)  # a crowded machine
             try:
@@ -244,7 +244,7 @@ def main() -> None:
                     for name, kind, every, _target in ROWS:
                         empty = theirs.execute_async_script(EMPTY, MOVES, every)
                         took.setdefault(f"{name}/echo", []).extend(empty)
-                        lanes = house.lanes.quick, house.lanes.limits
+                        lanes = house.workers.quick, house.workers.limits
                         before = sum(busy(lane.pid) for lane in lanes), page_busy(ours)
                         found, moved = ours.execute_async_script(HAND, kind, MOVES, every)
                         after = sum(busy(lane.pid) for lane in lanes), page_busy(ours)
