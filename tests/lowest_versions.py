@@ -1,6 +1,7 @@
 """Print constraints that hold each library to the lowest version `pyproject.toml` allows."""
 
 import re
+import sys
 import tomllib
 from pathlib import Path
 
@@ -22,4 +23,5 @@ def lowest_versions(project: dict) -> list[str]:
 
 
 if __name__ == "__main__":
-    print(*lowest_versions(tomllib.loads(PROJECT.read_text())["project"]), sep="\n")
+    lines = lowest_versions(tomllib.loads(PROJECT.read_text())["project"])
+    sys.stdout.write("\n".join(lines) + "\n")
