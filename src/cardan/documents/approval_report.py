@@ -20,7 +20,7 @@ from cardan.documents.approval_sheet import (
     revision_table,
 )
 from cardan.documents.comparison import ComparisonRow, Variant, input_differences, limit_differences
-from cardan.documents.first_screen import points_before_signing
+from cardan.documents.first_screen import criteria_count_text, points_before_signing
 from cardan.documents.inputs_table import input_rows
 from cardan.documents.line_drawing import (
     has_known_geometry,
@@ -42,7 +42,6 @@ from cardan.render.blocks import (
 from cardan.render.i18n import Translator
 from cardan.render.phrases import (
     adjustment_phrase,
-    approval_counts_text,
     check_location,
     check_sentence,
     citation,
@@ -54,10 +53,10 @@ from cardan.render.phrases import (
     note_sentences,
     unevaluated_limit_lines,
     value_and_bound,
-    verdict_text,
     worst_check_per_limit,
 )
 from cardan.render.provenance_table import report_blocks as data_used
+from cardan.render.screen_layout import approval_text
 from cardan.render.state_table import (
     StateTableRow,
     driveline_title,
@@ -161,7 +160,7 @@ def approval_report_from_results(
         title=of.application.title,
         subtitle=say("Driveline approval report"),
         grade=of.verdict,
-        verdict=verdict_text(of, say),
+        verdict=approval_text(of, say),
         facts=(
             *identification_facts(of.application, say),
             (say("Coverage"), _coverage_text(of, say)),
@@ -170,7 +169,7 @@ def approval_report_from_results(
             *document_stamp_facts(issue, say),
         ),
         chapters=tuple(chapters),
-        summary=approval_counts_text(of, say),
+        summary=criteria_count_text(of, say),
         date=issue.date,
     )
 
@@ -183,12 +182,12 @@ def comparison_report(
     names = tuple(f"{k}. {v.name}" for k, v in enumerate(of, 1))
     verdicts = Table(
         caption=say("Verdicts"),
-        head=(say("variant"), say("verdict"), say("checks"), say("limits")),
+        head=(say("variant"), say("verdict"), say("criteria"), say("limits")),
         rows=tuple(
             (
                 n,
-                verdict_text(v.approval, say),
-                approval_counts_text(v.approval, say),
+                approval_text(v.approval, say),
+                criteria_count_text(v.approval, say),
                 v.approval.application.profile,
             )
             for n, v in zip(names, of, strict=True)
@@ -233,7 +232,7 @@ def comparison_report(
     revisions = (revision_table(last, say, issue), *_file_blocks(say, issue))
     chapters.append(Chapter(title=say("Revisions"), blocks=revisions))
     grades: list[Verdict] = [v.approval.verdict for v in of]
-    said = (verdict_text(v.approval, say) for v in of)
+    said = (approval_text(v.approval, say) for v in of)
     return ReportDocument(
         language=say.code,
         is_sheet=True,
@@ -315,7 +314,7 @@ def _check_table(
             value,
             f"{limit_sense_symbol(c, say)} {bound}",
             q.unit_symbol,
-            say.margin_percent(c.margin),
+            say.margin_text(c.margin),
             *((f"[{sources.index(citation(c.limit.source, say)) + 1}]",) if sources else ()),
         )
 

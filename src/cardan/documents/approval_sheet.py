@@ -249,14 +249,14 @@ def _open_points(
     yield from required
     if not of.checks:
         yield say("Nothing was held against a limit, so nothing is approved.")
+    if helps:
+        moves = "; ".join(single_correction_texts(of, helps, say))
+        yield f"{say('Single corrections:')} {moves}"
     if fixes:
         best = fixes[0]
         standing = correction_standing_sentence(best, best.approval, say)
         moves = "; ".join(adjustment_phrase(m, say) for m in best.adjustments)
-        yield say("Best correction: {moves}: {result}", moves=moves, result=standing)
-    elif helps:
-        moves = "; ".join(single_correction_texts(of, helps, say))
-        yield f"{say('Single corrections:')} {moves}"
+        yield say("Best combination: {moves}: {result}", moves=moves, result=standing)
     yield from points_before_signing(of, say)
     if others := len(unevaluated_limit_lines(of, say)) - len(required):
         yield say.count(

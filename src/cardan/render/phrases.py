@@ -68,7 +68,7 @@ def check_counts_text(
     """Return how many checks have each grade, the worst first, and what has no answer."""
     said = list(check_grade_count_texts(checks, say).values())
     if missed:
-        said.append(say.count("{count} unanswered", "{count} unanswered", len(missed)))
+        said.append(say.count("{count} not evaluated", "{count} not evaluated", len(missed)))
     return ", ".join(said)
 
 

@@ -33,9 +33,15 @@ def title_and_verdict_lines(title: str, said: str, grade: Verdict, width: int) -
 def title_lines(of: "Approval", say: Translator, width: int) -> list[str]:
     """Return title and verdict, in one line if it has room for both."""
     partial = is_partial_approval(of) and of.verdict in ("pass", "warn")
-    said = verdict_text(of, say) if partial else say(VERDICT_TEXTS[of.verdict]).upper()
     grade = "warn" if partial else of.verdict
-    return title_and_verdict_lines(of.application.title, said, grade, width)
+    return title_and_verdict_lines(of.application.title, approval_text(of, say), grade, width)
+
+
+def approval_text(of: "Approval", say: Translator) -> str:
+    """Return the verdict as what it means to a signer: NOT APPROVED; of a part, of which part."""
+    if is_partial_approval(of) and of.verdict in ("pass", "warn"):
+        return verdict_text(of, say)
+    return say(VERDICT_TEXTS[of.verdict]).upper()
 
 
 def more_text(count: int, option: str, say: Translator) -> str:

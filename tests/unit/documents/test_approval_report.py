@@ -644,7 +644,7 @@ def test_checks_not_evaluated_are_counted_if_required_or_not():
              "{quantity: joint_life, maximum: 5000, source: us}"  # fmt: skip
     found = approve_driveline(reader.loads(text.replace("LIMITS", limits)))
     assert found.verdict == "pass"
-    assert approval_counts_text(found, ENGLISH) == "0 fail, 0 warn, 3 pass, 3 unanswered"
+    assert approval_counts_text(found, ENGLISH) == "0 fail, 0 warn, 3 pass, 3 not evaluated"
 
 
 # One white pixel.

@@ -522,13 +522,13 @@ def test_dead_gauge_leaves_verdict_incomplete(broken, gauge):
     """A wire that is off would live for ever: no damage in any hour."""
     done = run(broken, *ONE, "--gauge", gauge, "--target-hours", "0.001", "--all")
     assert done.exit_code == 1, done.output
-    assert "broken.csv: INCOMPLETE (0 fail, 0 warn, 1 pass, 1 unanswered)" in done.output
+    assert "broken.csv: INCOMPLETE (0 fail, 0 warn, 1 pass, 1 not evaluated)" in done.output
     needs = f"Fatigue life, {gauge}: required, and needs a recording in which all its channels move"
     assert needs in done.output
     assert f"{gauge}: said nothing, so its life is not known" in done.output
     alone = run(broken, "--gauge", gauge, *ONE[2:], "--target-hours", "0.001", "--all")
     assert alone.exit_code == 1
-    assert "INCOMPLETE (0 fail, 0 warn, 0 pass, 1 unanswered)" in alone.output
+    assert "INCOMPLETE (0 fail, 0 warn, 0 pass, 1 not evaluated)" in alone.output
     # Failing goes before missing.
     both = run(broken, *ONE, "--gauge", gauge, "--target-hours", "1e9")
     assert both.output.splitlines()[0].endswith(" NOT APPROVED")
