@@ -55,7 +55,7 @@ MAX_ROWS = 10
 MIN_ROWS = 4
 """Criteria on the sheet where fewer than these are not met: the nearest to their limits follow."""
 
-MAX_OPEN_POINTS = 5
+MAX_OPEN_POINTS = 6
 
 MAX_OPEN_POINT_CHARACTERS = 240
 """Of one open point: two lines; the annex has the whole."""
@@ -156,16 +156,9 @@ def _criteria_blocks(of: Approval, say: Translator) -> Iterator[Block]:
             words=3,
             grades=tuple((c.grade, "", "", "", "", "") for c in rows),
         )  # fmt: skip
-    yield Text(paragraphs=(_rest_text(of, criteria[len(rows) :], say),))
-
-
-def _rest_text(of: Approval, rest: Sequence[Criterion], say: Translator) -> str:
-    """Return how many criteria there are of each grade, and how many have no row here."""
-    counts = criteria_count_text(of, say)
-    if not rest:
-        return f"{counts}."
-    more = say.count("{count} more in the annex", "{count} more in the annex", len(rest))
-    return f"{counts}; {more}."
+    if rest := len(criteria) - len(rows):
+        more = say.count("{count} more in the annex", "{count} more in the annex", rest)
+        yield Text(paragraphs=(f"{more}.",))
 
 
 def _achieved_text(c: Check, say: Translator) -> str:

@@ -16,9 +16,11 @@ from cardan.core.errors import DesignError
 from cardan.core.labels import Part
 from cardan.core.units import deg, mm
 from cardan.core.verdict import Check, worst_first_key
+from cardan.documents import driveline_symbols as symbols
 from cardan.model.application import Obstacle
 from cardan.model.layout import Layout
 from cardan.physics.kinematics.equivalent_angle import ae7_phasor_terms
+from cardan.physics.kinematics.joint_chain import joint_angles
 from cardan.render import svg
 from cardan.render.chart import Chart, DataSeries
 from cardan.render.i18n import Translator
@@ -39,6 +41,15 @@ MAX_VIEW_HEIGHT_PX = 330.0
 """Height a view may take, pixels; what is left of it is used to exaggerate."""
 
 VERTICAL_EXAGGERATIONS = (10, 5, 2, 1)
+DEFAULT_THICKNESS_M = 0.05
+"""How thick a member is drawn whose tube is not known."""
+LABEL_DROP_PX = 34.0
+HALO = {"stroke": "#ffffff", "stroke_width": 3.0, "paint_order": "stroke"}
+"""What lets a label be read over lines."""
+LEAST_OFFSET_M = 5e-4
+"""How far a line must be from straight in a view to be worth drawing in it."""
+LEAST_TURN = 5e-5
+"""Angle, rad, from which a joint is drawn as bending up or down: what three digits show."""
 END_STUB_TO_LINE_LENGTH_RATIO = 0.07
 """Length of the gearbox and pinion stubs drawn, over that of the line."""
 
@@ -110,27 +121,23 @@ def side_view_in_state(
             _bar(o, page, c, _clearance_text(o, float(free), at, say))
             for o, free in zip(there, room, strict=True)
         ),
-        *_members(response, layout, page, c, layout.side, say),
-        *_bearings(response, layout, page, c, say),
-        *_joints(layout, page, c, angles, say),
+        *_line(response, layout, page, "side", layout.side, say),
+        *_joint_labels(layout, page, c, true, angles, say),
         *_scale_bar(page, say),
     ]
-    said = say.join(
-        *(
-            f"{say.part(Part('joint', k))} {say.compact_number(a / deg, 3)}°"
-            for k, a in enumerate(true, 1)
-        )
-    )
-    note = say(
-        "At each joint its angle in this view, on each shaft its slope and length. True joint "
-        "angles: {angles}.",
-        angles=said,
-    )
+    note = _operating_angle_note(say)
     return Figure(
         title=title,
         svg=svg.svg_document(DRAWING_WIDTH_PX, page.height, *drawn, alt=alt),
         alt=alt,
         note=note,
+    )
+
+
+def _operating_angle_note(say: Translator) -> str:
+    return say(
+        "At each joint its operating angle and which way it bends in this view; on each shaft its "
+        "slope and length. The frame's height and the gearbox's yoke (upright) are assumed."
     )
 
 
@@ -147,8 +154,11 @@ def has_known_geometry(response: LineResponse) -> bool:
 
 
 def line_drawings(response: LineResponse, say: Translator) -> tuple[Figure, ...]:
-    """Return every drawing of a line; without lengths it has no views."""
-    names = ("side", "top") if has_known_geometry(response) else ()
+    """Return every drawing of a line: views if it has lengths, no top view if it is straight."""
+    points = response.layout.points
+    is_straight = float(np.ptp(points[..., UPWARD_AXIS_INDEX_BY_VIEW["top"]])) < LEAST_OFFSET_M
+    names = ("side",) if is_straight else ("side", "top")
+    names = names if has_known_geometry(response) else ()
     return (
         *(side_or_top_view_drawing(response, say, name=name) for name in names),
         yoke_phasing_drawing(response, say),
@@ -173,12 +183,6 @@ class _ViewScale:
     def y(self, up: float) -> float:
         return self.height - MARGIN_BOTTOM_PX - (up - self.low) * self.scale * self.exaggeration
 
-    @property
-    def matrix(self) -> str:
-        """The same as a transform, so that round things are exaggerated as they must be."""
-        up = self.scale * self.exaggeration
-        return f"matrix({self.scale:.6f} 0 0 {-up:.6f} {self.x(0.0):.3f} {self.y(0.0):.3f})"
-
 
 def side_or_top_view_drawing(response: LineResponse, say: Translator, *, name: str) -> Figure:
     """Return the `side` or `top` view: as installed, the states behind it, what is in the way."""
@@ -189,29 +193,34 @@ def side_or_top_view_drawing(response: LineResponse, say: Translator, *, name: s
         reference, layout, response.inputs.obstacles if name == "side" else (), c, thick=thick
     )
     slopes = reference.side if name == "side" else reference.top
-    angles = np.diff(slopes)
-    title = say("Side view, from the left") if name == "side" else say("Top view")
+    is_side = name == "side"
+    angles = np.diff(slopes) if is_side else -np.diff(slopes)  # down the page is positive
+    shown = joint_angles(reference.directions) if is_side else np.abs(angles)
+    title = say("Side view, from the left") if is_side else say("Top view")
     if page.exaggeration == 1:
         scale = say("to scale")
     else:
         scale = say("to scale, exaggerated {times} times across", times=page.exaggeration)
     alt = f"{title}, {scale}. " + "; ".join(
         f"{say.part(Part('joint', k))}: {say.compact_number(a / deg, 3)} deg"
-        for k, a in enumerate(angles, 1)
+        for k, a in enumerate(shown, 1)
     )
     drawn = [
         *(_obstacle(o, page, c, say, response) for o in response.inputs.obstacles),
         *_states(response, page, c, say),
-        *_members(response, reference, page, c, slopes, say),
-        *_bearings(response, reference, page, c, say),
-        *_joints(reference, page, c, angles, say),
+        *_line(response, reference, page, name, slopes, say),
+        *_joint_labels(reference, page, c, shown, angles, say),
         *_scale_bar(page, say),
     ]
-    note = say(
-        "Bold: as installed. Light: the states, named at the pinion. At each joint its angle in "
-        "this view, on each shaft its slope and length; angles are the real ones, not the "
-        "exaggerated."
-    )
+    bend = (
+        _operating_angle_note(say)
+        if is_side
+        else say("At each joint its angle in this view, on each shaft its slope and length.")
+    )  # fmt: skip
+    note = " ".join((
+        say("Bold: as installed. Light: the states, named at the pinion."), bend,
+        *((say("Offsets are exaggerated, tubes are not."),) if page.exaggeration > 1 else ()),
+    ))  # fmt: skip
     return Figure(
         title=f"{title}, {scale}",
         svg=svg.svg_document(DRAWING_WIDTH_PX, page.height, *drawn, alt=alt),
@@ -289,42 +298,67 @@ def _states(response: LineResponse, page: _ViewScale, c: int, say: Translator) -
         yield svg.text(x + 21, place + 3.5, shown, font_size=10.5)
 
 
-def _members(
+def _axis(page: _ViewScale, layout: Layout, c: int) -> tuple[FloatArray, FloatArray]:
+    """Return a line's axis with its stubs on the page, (n+2, 2) px, and members' directions."""
+    points = np.array([(page.x(p[0]), page.y(p[c])) for p in _ends(layout)])
+    steps = np.diff(points, axis=0)
+    return points, steps / np.linalg.norm(steps, axis=-1, keepdims=True)
+
+
+def _thickness(response: LineResponse, member: int, page: _ViewScale) -> float:
+    """Return how thick a member is drawn, px: true to the scale along the line."""
+    shafts = response.line.shafts
+    shaft = shafts[member - 1] if 0 < member <= len(shafts) else None
+    wide = shaft.tube.outer if shaft and shaft.tube else DEFAULT_THICKNESS_M
+    return max(wide * page.scale, 4.0)
+
+
+def _line(
     response: LineResponse,
     layout: Layout,
     page: _ViewScale,
-    c: int,
+    name: str,
     slopes: FloatArray,
     say: Translator,
 ) -> Iterator[str]:
-    """Yield stubs and shafts, as thick as their tubes, with slopes and lengths."""
-    points = _ends(layout)
-    drawn: list[str] = []
-    for k in range(len(points) - 1):
-        shaft = response.line.shafts[k - 1] if 0 < k < len(points) - 2 else None
-        wide = shaft.tube.outer if shaft and shaft.tube else 0.05
-        (x1, y1), (x2, y2) = points[k, [0, c]], points[k + 1, [0, c]]
-        drawn.append(
-            svg.svg_element(
-                "path",
-                d=f"M{x1:.5f} {y1:.5f}L{x2:.5f} {y2:.5f}",
-                stroke="#9db4c8" if shaft else "#c9ced6",
-                stroke_width=f"{wide:.5f}",
-                stroke_opacity=0.55,
-                fill="none",
+    """Yield a line with its parts, slopes, lengths and operating angles."""
+    c = UPWARD_AXIS_INDEX_BY_VIEW[name]
+    points, along = _axis(page, layout, c)
+    kinds, last = response.line.joint_kinds, len(points) - 1
+    room = np.linalg.norm(np.diff(points, axis=0), axis=-1)
+    ear = symbols.ear_half_height(max(_thickness(response, k, page) for k in range(last)))
+    yokes = np.minimum(symbols.YOKE_LENGTH_TO_HALF_HEIGHT * ear, 0.3 * room)
+    for k in range(last):
+        ends = (points[k] + (yokes[k] if k > 0 else 0.0) * along[k],
+                points[k + 1] - (yokes[k] if k < last - 1 else 0.0) * along[k])  # fmt: skip
+        yield symbols.tube(*ends, _thickness(response, k, page), is_shaft=0 < k < last - 1)
+    yield svg.path(points[:, 0], points[:, 1], stroke=TEXT_COLOUR, stroke_width=0.8,
+                   stroke_dasharray="12 3 2 3")  # fmt: skip
+    yield from _bearings(response, layout, page, name, say)
+    yield symbols.flange(points[1], -along[0], length=yokes[0], half_height=ear)
+    yield symbols.flange(points[-2], along[-1], length=yokes[-1], half_height=ear)
+    # The gearbox's yoke is taken upright, as it stands when a line is fitted.
+    pin = 0.0 if name == "side" else np.pi / 2
+    for k, kind in enumerate(kinds, 1):
+        yield from symbols.operating_angle(points[k], along[k - 1], along[k])
+        if kind == "cross":
+            yield from symbols.yoke(
+                points[k], -along[k - 1], length=yokes[k - 1], half_height=ear, pin=pin
             )
-        )
-    yield svg.group(drawn, transform=page.matrix)
-    yield svg.path(
-        [page.x(p[0]) for p in points],
-        [page.y(p[c]) for p in points],
-        stroke=TEXT_COLOUR,
-        stroke_width=1.6,
-    )
-    lengths = layout.lengths / mm
+            yield from symbols.yoke(
+                points[k], along[k], length=yokes[k], half_height=ear, pin=pin + np.pi / 2
+            )
+        yield from symbols.joint_centre(points[k], along[k], kind, half_height=ear)
+        pin += np.pi / 2 + (response.line.shafts[k - 1].phase if k < len(kinds) else 0.0)
+    yield from _measures(points, slopes, layout.lengths / mm, page, say)
+
+
+def _measures(
+    points: FloatArray, slopes: FloatArray, lengths: FloatArray, page: _ViewScale, say: Translator
+) -> Iterator[str]:
+    """Yield each member's slope and length below the line."""
     for k, slope in enumerate(slopes):
-        a, b = points[k], points[k + 1]
-        x, y = page.x((a[0] + b[0]) / 2), page.y((a[c] + b[c]) / 2)
+        x, y = (points[k] + points[k + 1]) / 2
         said = f"{say.compact_number(slope / deg, 3)}°"
         if 0 < k < len(slopes) - 1:
             said += f" · {say.compact_number(lengths[k - 1], 4)} mm"
@@ -333,35 +367,55 @@ def _members(
 
 
 def _bearings(
-    response: LineResponse, layout: Layout, page: _ViewScale, c: int, say: Translator
+    response: LineResponse, layout: Layout, page: _ViewScale, name: str, say: Translator
 ) -> Iterator[str]:
     """Yield the centre bearings, hung on the frame."""
-    for k, shaft in enumerate(response.line.shafts[:-1]):
-        if not shaft.centre_bearing:
-            continue
-        p = layout.points[k + 1] - shaft.centre_bearing.from_rear_joint * layout.directions[k + 1]
-        x, y = page.x(p[0]), page.y(p[c])
-        yield svg.rect(
-            x - 5, y - 13, 10, 26, fill="none", stroke=VERDICT_COLOURS["pass"], stroke_width=2
-        )
-        yield svg.line(x, y - 13, x, y - 30, stroke=VERDICT_COLOURS["pass"], stroke_width=2)
-        yield svg.line(
-            x - 11, y - 30, x + 11, y - 30, stroke=VERDICT_COLOURS["pass"], stroke_width=2
+    c = UPWARD_AXIS_INDEX_BY_VIEW[name]
+    hung = [
+        (k, shaft.centre_bearing)
+        for k, shaft in enumerate(response.line.shafts[:-1])
+        if shaft.centre_bearing
+    ]
+    if not hung:
+        return
+    at = np.array([
+        layout.points[k + 1] - bearing.from_rear_joint * layout.directions[k + 1]
+        for k, bearing in hung
+    ])  # fmt: skip
+    places = np.array([(page.x(p[0]), page.y(p[c])) for p in at])
+    thick = [_thickness(response, k + 1, page) for k, _ in hung]
+    top = float(min(y - t / 2 for (_, y), t in zip(places, thick, strict=True)))
+    frame_y = max(top - symbols.FRAME_GAP_PX, 18.0) if name == "side" else None
+    if frame_y is not None:
+        ends = page.x(page.start), DRAWING_WIDTH_PX - MARGIN_RIGHT_PX
+        yield from symbols.frame(*ends, frame_y, say("frame"))
+    for (k, bearing), place, t in zip(hung, places, thick, strict=True):
+        yield from symbols.centre_bearing(
+            place, t, frame_y=frame_y, is_on_rubber=bool(bearing.stiffness)
         )
         said = say.part(Part("centre bearing", k + 1))
-        yield svg.text(x, y - 35, said, anchor="middle", font_size=11, fill=VERDICT_COLOURS["pass"])
+        y = frame_y - 6 if frame_y is not None else place[1] - t / 2 - 12
+        yield svg.text(
+            place[0], y, said, anchor="middle", font_size=11, fill=VERDICT_COLOURS["pass"]
+        )
 
 
-def _joints(
-    layout: Layout, page: _ViewScale, c: int, angles: FloatArray, say: Translator
+def _joint_labels(
+    layout: Layout,
+    page: _ViewScale,
+    c: int,
+    angles: FloatArray,
+    turns: FloatArray,
+    say: Translator,
 ) -> Iterator[str]:
-    """Yield the joints with their numbers and angles."""
-    for k, (p, angle) in enumerate(zip(layout.points, angles, strict=True), 1):
-        x, y = page.x(p[0]), page.y(p[c])
-        yield svg.circle(x, y, 9, fill="#ffffff", stroke=TEXT_COLOUR, stroke_width=1.6)
-        yield svg.text(x, y + 4, str(k), anchor="middle", font_size=11, font_weight="bold")
-        said = f"{say.compact_number(angle / deg, 3)}°"
-        yield svg.text(x, y + 25, said, anchor="middle", font_weight="bold")
+    """Yield the joints' numbers and angles, with the way each bends up or down the page."""
+    for k, (p, angle, turn) in enumerate(zip(layout.points, angles, turns, strict=True), 1):
+        x, y = page.x(p[0]), page.y(p[c]) + LABEL_DROP_PX
+        yield svg.circle(x - 14, y, 9, fill="#ffffff", stroke=TEXT_COLOUR, stroke_width=1.2)
+        yield svg.text(x - 14, y + 4, str(k), anchor="middle", font_size=11, font_weight="bold")
+        way = "" if abs(turn) < LEAST_TURN else " ↑" if turn < 0 else " ↓"
+        said = f"{say.compact_number(angle / deg, 3)}°{way}"
+        yield svg.text(x, y + 4, said, font_weight="bold", **HALO)
 
 
 def _obstacle(
@@ -382,12 +436,11 @@ def _obstacle(
 def _bar(o: Obstacle, page: _ViewScale, c: int, said: str) -> str:
     """Return an obstacle with words beside its name."""
     (x1, y1), (x2, y2) = ((p[0], p[c]) for p in (o.start, o.end))
-    bar = svg.svg_element(
-        "path",
-        d=f"M{x1:.5f} {y1:.5f}L{x2 + 1e-5:.5f} {y2:.5f}",
+    bar = svg.path(
+        [page.x(x1), page.x(x2) + 0.01],
+        [page.y(y1), page.y(y2)],
         stroke="#c08a5a",
-        fill="none",
-        stroke_width=f"{max(2 * o.radius, 0.004):.5f}",
+        stroke_width=max(2 * o.radius * page.scale, 3.0),
         stroke_linecap="round",
         stroke_opacity=0.55,
     )
@@ -395,7 +448,7 @@ def _bar(o: Obstacle, page: _ViewScale, c: int, said: str) -> str:
     x = page.x(max(x1, x2) + o.radius) + 6
     y = float(np.clip(page.y((y1 + y2) / 2), MARGIN_TOP_PX, page.height - MARGIN_BOTTOM_PX))
     return (
-        svg.group([bar], transform=page.matrix)
+        bar
         + svg.text(x, y - 2, o.name, font_size=10.5, fill="#7a4a1c")
         + svg.text(x, y + 11, said, font_size=10.5, fill="#7a4a1c")
     )

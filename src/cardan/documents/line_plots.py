@@ -56,12 +56,13 @@ def all_line_plots(response: LineResponse, say: Translator) -> tuple[Figure, ...
 def _iter_plots(r: LineResponse, say: Translator) -> Iterator[Figure]:
     if np.isfinite(r.demand.speed).any():
         yield from motion_over_turn_plots(r, say)
-        for quantity in ACCELERATION_QUANTITIES:
+        for quantity in ACCELERATION_QUANTITIES if len(r.demand.states) > 1 else ():
             yield acceleration_over_travel_plot(r, say, quantity=quantity)
     loaded = r.line.has_lengths and np.isfinite(r.demand.torque).any()
     for k in range(r.line.joint_count - 2 if loaded else 0):
         yield bearing_force_ellipse_plot(r, say, bearing=k)
-        yield bearing_force_order_plot(r, say, bearing=k)
+        if len(r.demand.states) > 1:
+            yield bearing_force_order_plot(r, say, bearing=k)
         if r.mount_loads.worst_bearing_forces and r.mounts.mounted_line is not None:
             yield from bearing_over_speed_plots(r, say, bearing=k)
     if r.demand.gears is not None:

@@ -38,6 +38,7 @@ from cardan.documents import terminal
 from cardan.documents.approval_sheet import approval_sheet
 from cardan.documents.comparison import Variant, input_differences, limit_differences
 from cardan.documents.criterion_explanation import explained_criteria, explanation_lines
+from cardan.documents.driveline_symbols import CROSS_RADIUS_PX
 from cardan.documents.inputs_table import input_rows
 from cardan.documents.line_drawing import line_drawings, worst_state_index
 from cardan.documents.line_plots import all_line_plots, motion_over_turn_plots
@@ -56,6 +57,7 @@ from cardan.render.i18n import (
 )
 from cardan.render.pdf import _document_data, page_images, pdf_document
 from cardan.render.phrases import approval_counts_text, limit_sense_symbol
+from cardan.render.screen_layout import approval_text
 from cardan.render.state_table import state_table_sections
 from cardan.render.svg import VERDICT_COLOURS
 from cardan.render.xlsx import column_letters
@@ -300,7 +302,7 @@ def test_page_anchors_are_unique(told):
 def test_page_shows_verdict_first(told, truck):
     text = html_page(told["en"])
     body = text[text.index("<body>") :]
-    verdict = ENGLISH(truck.verdict).upper()
+    verdict = approval_text(truck, ENGLISH)
     assert body.index(verdict) < body.index("What to change") < body.index("Revisions")
 
 
@@ -425,7 +427,7 @@ def test_side_view_is_to_scale():
     joints = [
         (float(c.attrib["cx"]), float(c.attrib["cy"]))
         for c in ET.fromstring(figure.svg).iter("{http://www.w3.org/2000/svg}circle")
-        if c.attrib["r"] == "9"
+        if c.attrib["r"] == f"{CROSS_RADIUS_PX:g}"
     ]
     points = r.demand.installed.layout.points
     pixels, metres = np.diff(np.array(joints), axis=0), np.diff(points, axis=0)
@@ -433,6 +435,52 @@ def test_side_view_is_to_scale():
     times = int(re.search(r"exaggerated (\d+) times", figure.title)[1])
     assert scale[0] == pytest.approx(scale[1], rel=1e-3)  # pixels are written to a hundredth
     np.testing.assert_allclose(-pixels[:, 1] / metres[:, 2], times * scale, rtol=5e-3)
+
+
+def _polygons(drawing: str) -> list[np.ndarray]:
+    paths = ET.fromstring(drawing).iter("{http://www.w3.org/2000/svg}path")
+    closed = (p.attrib["d"] for p in paths if p.attrib["d"].endswith("Z"))
+    return [np.array(re.findall(r"-?[\d.]+", d), float).reshape(-1, 2) for d in closed]
+
+
+def test_tube_is_drawn_as_thick_as_it_is_whatever_is_exaggerated():
+    """A tube 100 mm thick and its length have one scale, where offsets are drawn ten times."""
+    found = approve_driveline(reader.loads(templates.template_text("truck")))
+    r = found.line_responses[0]
+    figure = line_drawings(r, ENGLISH)[0]
+    times = int(re.search(r"exaggerated (\d+) times", figure.title)[1])
+    assert times > 1
+    joints = [
+        float(c.attrib["cx"])
+        for c in ET.fromstring(figure.svg).iter("{http://www.w3.org/2000/svg}circle")
+        if c.attrib["r"] == f"{CROSS_RADIUS_PX:g}"
+    ]
+    scale = np.ptp(joints) / np.ptp(r.demand.installed.layout.points[:, 0])
+    thick = [float(np.hypot(*(p[3] - p[0]))) for p in _polygons(figure.svg) if len(p) == 4]
+    for shaft in r.line.shafts:
+        wide = shaft.tube.outer * scale
+        assert any(abs(t - wide) < 0.03 for t in thick), (wide, thick)  # hundredths of a pixel
+
+
+@pytest.mark.parametrize(("phase", "drawn_alike"), [(0, True), (90, False)])
+def test_yoke_phase_is_seen_in_side_view(phase, drawn_alike):
+    """Aligned yokes of a shaft are both forks or both ears; crossed ones are one of each."""
+    text = templates.template_text("truck")
+    r = approve_driveline(reader.loads(text)).line_responses[0]
+    shafts = tuple(replace(s, phase=np.deg2rad(phase)) for s in r.line.shafts)
+    inputs = replace(r.inputs, line=replace(r.line, shafts=shafts))
+    drawing = line_drawings(replace(r, inputs=inputs), ENGLISH)[0].svg
+    # Along the line: gearbox yoke, then front and rear yoke of each shaft; forks have 11 corners.
+    yokes = [p for p in _polygons(drawing) if len(p) in (6, 11)]
+    forks = [len(p) == 11 for p in yokes]
+    assert forks[0]
+    assert (forks[1] == forks[2]) == drawn_alike
+
+
+def test_straight_line_has_no_top_view():
+    found = approve_driveline(reader.read(ROOT / "examples/van.yaml"))
+    titles = [f.title for f in line_drawings(found.line_responses[0], ENGLISH)]
+    assert not any("Top view" in t for t in titles)
 
 
 def test_suspension_travel_curve_passes_through_states(truck):
