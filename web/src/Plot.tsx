@@ -23,7 +23,10 @@ export interface PlotAnnotations {
   top?: number;
 }
 
-interface Drawn { x: number[]; series: Series[]; unit: string; label: string; height: number; theme: string; degrees?: boolean; at?: number | null; beside?: PlotAnnotations }
+interface Drawn { x: number[]; series: Series[]; unit: string; label: string; height: number; theme: string; degrees?: boolean; at?: number | null; beside?: PlotAnnotations;
+  /** Ends of the lower axis where it is shared with a map above: nothing is left free beside it. */
+  range?: [number, number];
+}
 
 export function Plot(of: Drawn) {
   const [box, width] = useElementWidth(420);
@@ -37,7 +40,7 @@ export function Plot(of: Drawn) {
     const x = at.current;
     if (here.current) here.current.style.transform = x === null || x === undefined ? "scale(0)" : `translateX(${u.valToPos(x, "x")}px)`;
   };
-  const shape = JSON.stringify([of.series.map((s) => [s.name, s.colour]), of.unit, of.height, of.theme, of.beside]);
+  const shape = JSON.stringify([of.series.map((s) => [s.name, s.colour]), of.unit, of.height, of.theme, of.beside, of.range]);
 
   useEffect(() => {
     const element = root.current;
@@ -50,9 +53,9 @@ export function Plot(of: Drawn) {
         height: of.height,
         legend: { show: false },
         cursor: { show: false },
-        scales: { x: { time: false }, ...(of.beside?.top ? { y: { range: [0, of.beside.top] as [number, number] } } : {}) },
+        scales: { x: { time: false, ...(of.range ? { range: of.range } : {}) }, ...(of.beside?.top ? { y: { range: [0, of.beside.top] as [number, number] } } : {}) },
         pxAlign: 0,
-        padding: [8, 18, 0, 0],
+        padding: [8, of.range ? 0 : 18, 0, 0],
         axes: [
           { ...axis, size: 22, values: ticks("") },
           { ...axis, size: 44, values: ticks(of.degrees ? "°" : "") },

@@ -61,6 +61,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: AppState; shown: Show
   if (!b) return <p class="card note">{t("The line has no centre bearing, or nothing says its torque over speed.")}</p>;
   const [g, k] = at && at[0] < of.gears.length && at[1] < of.rpm.length ? at : worst;
   const values = b[force];
+  const edges = cellEdges(of.rpm);
   const most = Math.max(...values.flat().map((v) => v ?? 0), 1);
   const bounds = b.limits[force].flatMap((l) => (["warn", "fail"] as const).flatMap((grade) => (l[grade] === null ? [] : [{ value: l[grade], grade, said: t(grade) }])));
   const value = values[g]?.[k];
@@ -84,7 +85,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: AppState; shown: Show
         <ul aria-hidden="true">{of.gears.map((o) => <li key={o.said}>{o.said}</li>)}</ul>
         <CellMap
           label={t("Force by gear and speed: choose with the arrow keys")}
-          x={cellEdges(of.rpm)}
+          x={edges}
           y={of.gears.map((_, i) => i).concat(of.gears.length)}
           grades={b.grades[force]}
           strength={(r, c) => 0.12 + 0.88 * ((values[r]?.[c] ?? 0) / most)}
@@ -94,17 +95,18 @@ function Forces({ of, known, shown }: { of: Speeds; known: AppState; shown: Show
           height={22 * of.gears.length}
           theme={known.theme}
         />
+        <Plot
+          x={of.rpm}
+          range={[edges[0] ?? 0, edges[edges.length - 1] ?? 1]}
+          series={cut}
+          unit={`${t("force [N]")} ${t("over the shaft's speed [rpm]")}: ${of.gears[g]?.said}`}
+          at={of.rpm[k] ?? null}
+          height={240}
+          theme={known.theme}
+          label={t("Orders of the force over speed, {gear}", { gear: of.gears[g]?.said ?? "" })}
+          beside={{ levels: bounds, top: 1.1 * Math.max(most, ...bounds.map((l) => l.value)) }}
+        />
       </div>
-      <Plot
-        x={of.rpm}
-        series={cut}
-        unit={`${t("force [N]")} ${t("over the shaft's speed [rpm]")}: ${of.gears[g]?.said}`}
-        at={of.rpm[k] ?? null}
-        height={240}
-        theme={known.theme}
-        label={t("Orders of the force over speed, {gear}", { gear: of.gears[g]?.said ?? "" })}
-        beside={{ levels: bounds, top: 1.1 * Math.max(most, ...bounds.map((l) => l.value)) }}
-      />
     </Card>
   );
 }

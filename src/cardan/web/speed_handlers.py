@@ -120,7 +120,7 @@ def _order_amplitudes(running: Any, bearing: int) -> Iterator[FloatArray]:
 
 def _gear_message(found: TorqueCurves, k: int, say: Translator) -> Json:
     gear, way = found.gears[k], found.directions[k]
-    names = {"coast": say("coast"), "reverse": say("reverse"), "brake": say("braking")}
+    names = {"coast": say("overrun"), "reverse": say("reverse"), "brake": say("braking")}
     said = say("gear {gear}", gear=gear) if gear and gear != "R" else ""
     return {
         "said": say.join(*filter(None, (said, names.get(way) or ("" if said else say("drive"))))),
