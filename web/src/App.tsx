@@ -110,7 +110,7 @@ const named = ({ live, campaign }: AppState): string => (live ?? campaign)?.titl
 
 /** The views of what is open; of an application the verdict stands above each. */
 function Tabs({ known, views }: { known: AppState; views: readonly View[] }) {
-  const names: Record<View, string> = { line: known.campaign ? t("Campaign") : t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), bracket: t("Bracket"), recording: t("Recording"), limits: t("Limits"), library: t("Library"), new: t("New") };
+  const names: Record<View, string> = { line: known.campaign ? t("Campaign") : t("Line"), speed: t("Speed"), change: t("What to change"), variants: t("Variants"), bracket: t("Bracket"), recording: t("Recording"), limits: t("Limits"), library: t("Reports, files"), new: t("New") };
   return (
     <nav class="tabs chips" aria-label={t("Views")}>
       {views.map((view) => (<button key={view} data-view={view} aria-pressed={known.view === view} onClick={() => store.show(view)}>{names[view]}</button>))}
@@ -223,6 +223,7 @@ function Strip({ known }: { known: AppState }) {
         <span class="profile">{live?.profile}</span>
         <span class="pending" aria-hidden={settled}>{settled ? "" : unfinished ? t("bearing forces not evaluated: {why}", { why: unfinished }) : t("bearing forces follow …")}</span>
         {unfinished && <button onClick={() => store.evaluateAgain()}>{t("evaluate again")}</button>}
+        {!known.fixed && known.view !== "library" && <button class="plain" data-do="report" onClick={() => store.show("library")}>{t("create report")}</button>}
       </p>
       <ul class="worst">
         {bad.slice(0, 5).map((row) => {
