@@ -581,6 +581,10 @@ class ApplicationTable(Table):
     report: Annotated[ReportIdentification, ReportTable] | None = table_key_field(
         "customer, drawing and signatures of its reports", default=None
     )
+    placeholders: Annotated[tuple[str, ...], ListField(TextField(), most=100)] = table_key_field(
+        "keys whose values are not the vehicle's yet; nothing is evaluated until they are",
+        default=(),
+    )
     catalogues: Annotated[
         str | tuple[str, ...], UnionField(TextField(), ListField(TextField(), most=MAX_CATALOGUES))
     ] = table_key_field("CSV files of your own parts", default=())
@@ -628,6 +632,7 @@ class ApplicationTable(Table):
             launches=self._launches(),
             variants=self._variants(lines),
             report=self.report or ReportIdentification(),
+            placeholders=self._placeholders(),
             electric=self.prime_mover == "electric",
             prime_mover_factor=PRIME_MOVER_LIFE_FACTORS[self.prime_mover],
             shock_factor=self.shock_factor,
@@ -635,6 +640,20 @@ class ApplicationTable(Table):
             include_unbalance="unbalance" in self.include,
             source_locations=self.reader_of().context.locations,
         )
+
+    def _placeholders(self) -> tuple[str, ...]:
+        """Return keys that still hold placeholders, each of which must stand in the file."""
+        there = self.reader_of().context.locations
+        for k, key in enumerate(self.placeholders, 1):
+            if key not in there:
+                at = self.reader_of("placeholders", k)
+                at.reject("no such key stands in this file", nearest_name_hint(key, there))
+        if self.placeholders:
+            self.reader_of("placeholders").warn(
+                "nothing of this file is evaluated yet",
+                "enter the vehicle's values, and take their keys out of the list",
+            )
+        return self.placeholders
 
     def _variants(self, lines: tuple[InstalledLine, ...]) -> VariantStudy | None:
         """Return the study, whose names must be those of numbers that stand in the file."""

@@ -97,11 +97,17 @@ ReportPaths: TypeAlias = Mapping[str, Path]
 
 
 def read_application(
-    file: Path, limits: str | None, *, allow_outside: bool, outputs: OutputPaths
+    file: Path,
+    limits: str | None,
+    *,
+    allow_outside: bool,
+    outputs: OutputPaths,
+    with_placeholders: bool = False,
 ) -> Any:
     """Return the application of a file, with what looks odd in it told on the way.
 
-    Refuse it where one of the claimed outputs is a file that it names.
+    Refuse it where one of the claimed outputs is a file that it names, and one that still holds
+    placeholders, except `with_placeholders`.
     """
     from cardan.application import reader
     from cardan.application.plausibility import with_limit_profile
@@ -111,6 +117,12 @@ def read_application(
     writer.check_output_paths(
         outputs, inputs=application.written.referenced_files if application.written else ()
     )
+    if application.placeholders and not with_placeholders:
+        keys = ", ".join(application.placeholders)
+        msg = (
+            f"{file}: these keys still hold placeholders: {keys}; enter the vehicle's values first"
+        )
+        raise DesignError(msg)
     if limits:
         application = with_limit_profile(application, limits)
     for warning in application.warnings:
@@ -144,7 +156,9 @@ def approve_file(
     from cardan.approval.approval import approve_application, default_studies
     from cardan.approval.registry import studies_of_application
 
-    application = read_application(file, limits, allow_outside=allow_outside, outputs=outputs)
+    application = read_application(
+        file, limits, allow_outside=allow_outside, outputs=outputs, with_placeholders=True
+    )
     chosen = {s.name: s for s in default_studies(application)}
     for study in (studies_of_application()[s] if isinstance(s, str) else s for s in also):
         chosen.setdefault(study.name, study)

@@ -359,6 +359,8 @@ class Application:
     """What a study of the application's variants asks."""
     report: ReportIdentification = ReportIdentification()
     """What its reports say of customer, drawing and signatures."""
+    placeholders: tuple[str, ...] = ()
+    """Keys whose values are not the vehicle's yet: no study evaluates it."""
     electric: bool = False
     """Whether a motor drives: nothing fires, and it turns from standstill on."""
     prime_mover_factor: float = 1.25
