@@ -17,7 +17,7 @@ from cardan.core.errors import FileIssue, InvalidFileError
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.units import UNITS, deg, mm
 from cardan.model.application import Application
-from cardan.schema.yaml_tree import read_text
+from cardan.schema.yaml_tree import read_text, to_one_line
 
 MAX_ROWS = 200
 MAX_BEARING_OFFSET_M = 20 * mm
@@ -70,10 +70,14 @@ def read_hardpoints(path: Path) -> tuple[Hardpoint, ...]:
             found.append(Hardpoint(name=cells[names], position=(x, y, z), row=line))
         except (ValueError, IndexError) as error:
             said = str(error) if isinstance(error, ValueError) else "needs a name, x, y and z"
-            problems.append(FileIssue(message=said, value=" ".join(cells)[:60], line=line))
+            problems.append(FileIssue(message=said, value=_brief(" ".join(cells)), line=line))
     if problems:
         raise InvalidFileError(str(path), tuple(problems))
     return tuple(found)
+
+
+def _brief(said: str) -> str:
+    return to_one_line(said)[:60]
 
 
 def _divided(text: str) -> Iterator[list[str]]:
@@ -97,7 +101,7 @@ def _columns_of(heading: list[str], line: int, path: Path) -> tuple[tuple[int, i
     if message:
         issue = FileIssue(
             message=message,
-            value=" ".join(heading)[:60],
+            value=_brief(" ".join(heading)),
             hint="name,x [mm],y [mm],z [mm]",
             line=line,
         )
@@ -185,10 +189,12 @@ def _named(points: tuple[Hardpoint, ...], joints: int, source: str) -> dict[str,
         name = _spelled(point.name)
         if name not in allowed:
             message, hint = "names no point of this line", f"its points: {', '.join(allowed)}"
-            problems.append(FileIssue(message=message, value=point.name, hint=hint, line=point.row))
+            problems.append(
+                FileIssue(message=message, value=_brief(point.name), hint=hint, line=point.row)
+            )
         elif name in found:
             message = f"{name} stands in line {found[name].row} already"
-            problems.append(FileIssue(message=message, value=point.name, line=point.row))
+            problems.append(FileIssue(message=message, value=_brief(point.name), line=point.row))
         else:
             found[name] = point
     lacking = [name for name in allowed[:joints] if name not in found]
@@ -214,7 +220,7 @@ def _slope_changes(key: str, along: FloatArray, point: Hardpoint, source: str) -
     """Return the slopes of a member by its direction: down to the rear and right are positive."""
     if not along[0] > 0:
         message = "must lie ahead of joint 1 (gearbox) or behind the last joint (pinion), in x"
-        issue = FileIssue(message=message, value=point.name, line=point.row)
+        issue = FileIssue(message=message, value=_brief(point.name), line=point.row)
         raise InvalidFileError(source, (issue,))
     return {
         f"{key}.side_deg": round(float(np.arctan2(-along[2], along[0]) / deg), 4),
@@ -234,7 +240,7 @@ def _from_rear_joint(
     if not 0 < place < length or off > MAX_BEARING_OFFSET_M:
         message = f"lies {off / mm:.0f} mm off shaft {k}, between joints {k} and {k + 1}"
         issue = FileIssue(
-            message=message, value=point.name, line=point.row,
+            message=message, value=_brief(point.name), line=point.row,
             hint=f"up to {MAX_BEARING_OFFSET_M / mm:.0f} mm beside it is allowed",
         )  # fmt: skip
         raise InvalidFileError(source, (issue,))

@@ -23,6 +23,7 @@ from cardan.application.limit_profiles import (
     load_profile,
 )
 from cardan.application.limit_profiles import profile_names as profiles
+from cardan.application.placeholders import checked_placeholders
 from cardan.application.plausibility import plausibility_warnings
 from cardan.application.report_section import ReportTable
 from cardan.application.vehicle_section import (
@@ -632,7 +633,7 @@ class ApplicationTable(Table):
             launches=self._launches(),
             variants=self._variants(lines),
             report=self.report or ReportIdentification(),
-            placeholders=self._placeholders(),
+            placeholders=checked_placeholders(self.placeholders, self.reader_of("placeholders")),
             electric=self.prime_mover == "electric",
             prime_mover_factor=PRIME_MOVER_LIFE_FACTORS[self.prime_mover],
             shock_factor=self.shock_factor,
@@ -640,20 +641,6 @@ class ApplicationTable(Table):
             include_unbalance="unbalance" in self.include,
             source_locations=self.reader_of().context.locations,
         )
-
-    def _placeholders(self) -> tuple[str, ...]:
-        """Return keys that still hold placeholders, each of which must stand in the file."""
-        there = self.reader_of().context.locations
-        for k, key in enumerate(self.placeholders, 1):
-            if key not in there:
-                at = self.reader_of("placeholders", k)
-                at.reject("no such key stands in this file", nearest_name_hint(key, there))
-        if self.placeholders:
-            self.reader_of("placeholders").warn(
-                "nothing of this file is evaluated yet",
-                "enter the vehicle's values, and take their keys out of the list",
-            )
-        return self.placeholders
 
     def _variants(self, lines: tuple[InstalledLine, ...]) -> VariantStudy | None:
         """Return the study, whose names must be those of numbers that stand in the file."""

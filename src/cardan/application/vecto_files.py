@@ -6,7 +6,7 @@ Files are read by content: each version of the tool has its own header, and the 
 import json
 import re
 from collections.abc import Container, Iterable, Mapping
-from math import isfinite
+from math import isfinite, isinf
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -15,7 +15,7 @@ import numpy as np
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import FileIssue, InvalidFileError
 from cardan.core.lazy_dataclass import dataclass
-from cardan.schema.yaml_tree import read_text
+from cardan.schema.yaml_tree import read_text, to_one_line
 
 MAX_TABLE_CHARACTERS = 200_000_000
 """A year of driving at one row a second has a tenth of this."""
@@ -51,7 +51,9 @@ class VectoPart:
             m.start() for m in re.finditer(f'(?i)"{re.escape(key.split(".")[-1])}"', self.text)
         ]
         line = self.text.count("\n", 0, places[nth]) + 1 if nth < len(places) else 0
-        issue = FileIssue(message=message, key=key, value=str(got)[:60], hint=hint, line=line)
+        issue = FileIssue(
+            message=message, key=key, value=to_one_line(str(got))[:60], hint=hint, line=line
+        )
         raise InvalidFileError(str(self.path), (issue,))
 
     def get(self, key: str, table: Mapping[str, Any] | None = None) -> Any:
@@ -242,7 +244,7 @@ def read_table(path: Path, *, only: Container[str] | None = None) -> VectoTable:
             bad = next((c for c, v in zip(cells, values, strict=True) if v is None), "")
             issue = FileIssue(
                 message=f"a row needs {width} numbers",
-                value=bad or f"{len(cells)} cells",
+                value=to_one_line(bad)[:40] or f"{len(cells)} cells",
                 line=line,
             )
             raise InvalidFileError(str(path), (issue,))
@@ -273,6 +275,7 @@ def _number(cell: str) -> float | None:
     if not cell:
         return float("nan")
     try:
-        return float(cell)
+        value = float(cell)
     except ValueError:
         return None
+    return None if isinf(value) else value

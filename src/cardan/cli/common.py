@@ -111,18 +111,19 @@ def read_application(
     """
     from cardan.application import reader
     from cardan.application.plausibility import with_limit_profile
+    from cardan.model.application import require_no_placeholders
     from cardan.schema import atomic_write as writer
 
     application = reader.read(file, allow_outside=allow_outside)
     writer.check_output_paths(
         outputs, inputs=application.written.referenced_files if application.written else ()
     )
-    if application.placeholders and not with_placeholders:
-        keys = ", ".join(application.placeholders)
-        msg = (
-            f"{file}: these keys still hold placeholders: {keys}; enter the vehicle's values first"
-        )
-        raise DesignError(msg)
+    if not with_placeholders:
+        try:
+            require_no_placeholders(application)
+        except DesignError as error:
+            msg = f"{file}: {error}"
+            raise DesignError(msg) from None
     if limits:
         application = with_limit_profile(application, limits)
     for warning in application.warnings:

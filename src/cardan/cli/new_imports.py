@@ -43,7 +43,9 @@ def write_imported(
     check_output_paths({"FILE": out}, inputs=given)
     text, said = _base(imports, kind, own)
     source: dict[str, Any] = {} if own is None else {"folder": own.parent}
-    application = reader.loads(text, name=str(own or out), **source)
+    application = reader.loads(
+        text, name=str(own) if own else f"application of {imports.job or kind}", **source
+    )
     if imports.hardpoints is not None:
         points = read_hardpoints(imports.hardpoints)
         text = text_with_hardpoints(text, application, points, source=str(imports.hardpoints))

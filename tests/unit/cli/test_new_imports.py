@@ -14,7 +14,9 @@ from cardan.application import reader
 from cardan.application.simulated_duty import duty_classes
 from cardan.approval.approval import approve_application
 from cardan.cli import cli
+from cardan.core.errors import DesignError
 from cardan.core.units import deg, g, mm, rpm
+from cardan.topics.design.corrections import find_corrections
 
 FULL_LOAD = """\
 engine speed [1/min],full load torque [Nm],motoring torque [Nm],PT1 [s]
@@ -125,6 +127,8 @@ def test_application_with_placeholders_is_never_approved(job, tmp_path):
         refused = run(command, out)
         assert refused.exit_code == 2
         assert "still hold placeholders: vehicle.wheelbase_mm" in refused.stderr
+    with pytest.raises(DesignError, match="still hold placeholders: vehicle"):
+        find_corrections(reader.read(out))
     text = out.read_text("utf-8")
     start, end = text.index("placeholders:"), text.index("vehicle:")
     out.write_text(text[:start] + text[end:], "utf-8")
@@ -137,7 +141,7 @@ def test_placeholder_that_names_no_key_is_rejected(job, tmp_path):
     changed(out, "- vehicle.wheelbase_mm", "- vehicle.wheelbase")
     checked = run("check", out)
     assert checked.exit_code == 2
-    assert "placeholders[1]: no such key stands in this file" in checked.stderr
+    assert "placeholders: no such key stands in this file" in checked.stderr
     assert "did you mean vehicle.wheelbase_mm?" in checked.stderr
 
 
@@ -177,6 +181,7 @@ def test_every_wheel_configuration_of_a_job_is_read_and_left_incomplete(job, tmp
         ("a.vveh", "421.0", "0.421", "rdyn: must be 200 to 1000 mm (got 0.421)"),
         ("a.vveh", "4x2", "four by two", "AxleConfig.Type: must be a configuration such as 4x2"),
         ("parts/e.vfld", "2000,790", "2000;790", "e.vfld:6: a row needs 4 numbers"),
+        ("parts/e.vfld", "2000,790", "2000,inf", "e.vfld:6: a row needs 4 numbers (got inf)"),
         ("parts/e.vfld", "1600,", "1100,", "needs torques above 0 at speeds that rise"),
     ],
 )  # fmt: skip
