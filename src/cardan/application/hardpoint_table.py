@@ -241,7 +241,7 @@ def _from_rear_joint(
         message = f"lies {off / mm:.0f} mm off shaft {k}, between joints {k} and {k + 1}"
         issue = FileIssue(
             message=message, value=_brief(point.name), line=point.row,
-            hint=f"up to {MAX_BEARING_OFFSET_M / mm:.0f} mm beside it is allowed",
+            hint=f"up to {MAX_BEARING_OFFSET_M / mm:.0f} mm off it is allowed",
         )  # fmt: skip
         raise InvalidFileError(source, (issue,))
     return place
