@@ -56,12 +56,18 @@ class SimulatedDuty:
 
 
 def read_simulated_duty(
-    path: Path, *, axle_ratio: float | None = None, dynamic_radius: float | None = None
+    path: Path,
+    *,
+    axle_ratio: float | None = None,
+    dynamic_radius: float | None = None,
+    largest_torque: float = np.inf,
 ) -> SimulatedDuty:
     """Return the duty cycle of the gearbox output in modal results of VECTO.
 
     Torque and speed are those of the gearbox output where the file has them. Else they follow from
-    the power into the axle and the road speed, by `axle_ratio` and `dynamic_radius` (m).
+    the power into the axle and the road speed, by `axle_ratio` and `dynamic_radius` (m), up to the
+    `largest_torque` (N m) that the engine gives there: close to rest, means of power and speed
+    over an interval do not make a torque.
 
     Raises
     ------
@@ -89,7 +95,8 @@ def read_simulated_duty(
             raise InvalidFileError(str(path), (issue,))
         speed = road / 3.6 / dynamic_radius * axle_ratio
         turning = np.where(speed > 0, speed, np.inf)
-        torque, columns = 1e3 * power / turning, "P_axle_in and v_act"
+        torque = np.clip(1e3 * power / turning, -largest_torque, largest_torque)
+        columns = "P_axle_in and v_act"
     drives = speed > MIN_DRIVING_SPEED_RPM * rpm
     if not (step[drives] > 0).any():
         issue = FileIssue(message="the vehicle never moves in these results")

@@ -28,6 +28,7 @@ def write_imported(
     """Write an application with what files of other tools say, and print what was read."""
     from cardan.application import reader
     from cardan.application.hardpoint_table import read_hardpoints, text_with_hardpoints
+    from cardan.application.relation_context import RelationContext
     from cardan.application.simulated_duty import (
         duty_section,
         read_simulated_duty,
@@ -52,12 +53,14 @@ def write_imported(
         said.append(f"{imports.hardpoints.name}: {len(points)} points.")
     if imports.vmod is not None:
         axle, tyre = application.lines[0].axle, application.tyre
+        most = float(RelationContext(application=application).largest_torque)
         duty = read_simulated_duty(
             imports.vmod,
             axle_ratio=None if axle is None else float(axle.ratio),
             dynamic_radius=None
             if tyre is None
             else float(tyre.dynamic_radius or tyre.static_radius),
+            largest_torque=most if most > 0 else float("inf"),
         )
         text = text_with_duty(text, duty_section(duty))
         said.append(

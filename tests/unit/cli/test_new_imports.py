@@ -234,6 +234,15 @@ def test_vmod_gives_duty_of_application(job, tmp_path):
     assert np.array(found) == pytest.approx(np.array(expected), rel=1e-3)  # four digits are written
 
 
+def test_power_close_to_rest_makes_no_more_torque_than_engine(job, tmp_path):
+    results = tmp_path / "town.vmod"
+    results.write_text(RESULTS + "101,1,0.3,1,yes,9\n", "utf-8")
+    made = run("new", tmp_path / "truck.yaml", "--vecto", job, "--vmod", results)
+    assert made.exit_code == 0, made.stderr
+    duty = reader.read(tmp_path / "truck.yaml").duty
+    assert max(p.torque for p in duty) == pytest.approx(900 * 6.5)
+
+
 def test_vmod_replaces_duty_of_own_application_alone(tmp_path):
     results = tmp_path / "town.vmod"
     results.write_text(

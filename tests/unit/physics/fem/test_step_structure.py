@@ -19,6 +19,8 @@ from cardan.physics.fem.ngsolve_import import import_ngsolve
 from cardan.physics.fem.round_faces import cylinder_of_face
 from cardan.physics.fem.step_structure import StepStructure, names_of_solids
 
+pytestmark = pytest.mark.bracket
+
 PLACEMENT = """
 #9001 = APPLICATION_CONTEXT('x');
 #9002 = PRODUCT_CONTEXT('',#9001,'mechanical');
