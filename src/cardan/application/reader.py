@@ -23,6 +23,7 @@ from cardan.application.limit_profiles import (
     load_profile,
 )
 from cardan.application.limit_profiles import profile_names as profiles
+from cardan.application.placeholders import checked_placeholders
 from cardan.application.plausibility import plausibility_warnings
 from cardan.application.report_section import ReportTable
 from cardan.application.vehicle_section import (
@@ -581,6 +582,10 @@ class ApplicationTable(Table):
     report: Annotated[ReportIdentification, ReportTable] | None = table_key_field(
         "customer, drawing and signatures of its reports", default=None
     )
+    placeholders: Annotated[tuple[str, ...], ListField(TextField(), most=100)] = table_key_field(
+        "keys whose values are not the vehicle's yet; nothing is evaluated until they are",
+        default=(),
+    )
     catalogues: Annotated[
         str | tuple[str, ...], UnionField(TextField(), ListField(TextField(), most=MAX_CATALOGUES))
     ] = table_key_field("CSV files of your own parts", default=())
@@ -628,6 +633,7 @@ class ApplicationTable(Table):
             launches=self._launches(),
             variants=self._variants(lines),
             report=self.report or ReportIdentification(),
+            placeholders=checked_placeholders(self.placeholders, self.reader_of("placeholders")),
             electric=self.prime_mover == "electric",
             prime_mover_factor=PRIME_MOVER_LIFE_FACTORS[self.prime_mover],
             shock_factor=self.shock_factor,

@@ -33,8 +33,11 @@ from cardan.core.errors import ConvergenceError, DesignError
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.message import TranslatableMessage
 from cardan.core.status import ProgressCallback, ignore_status
-from cardan.core.verdict import CHECK_GRADES, Check, CheckGrade, Verdict
+from cardan.core.verdict import CHECK_GRADES, Check, CheckGrade, UnevaluatedCheck, Verdict
 from cardan.model.application import Application, missing_state_kinds
+
+PLACEHOLDER_INPUT = "values in place of placeholders"
+"""What a check misses while an application holds placeholders."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,7 +181,12 @@ def approve_application(
     return Approval(
         application=application,
         study_results=(
-            *(_found(study, application, tell, alone=len(chosen) == 1) for study in chosen),
+            *(
+                _without_checks_of_placeholders(
+                    _found(study, application, tell, alone=len(chosen) == 1), application
+                )
+                for study in chosen
+            ),
             *(_unasked(application, names) if DRIVELINE_STUDY_NAME in names else ()),
         ),
     )
@@ -244,6 +252,25 @@ def _found(
         failure_reasons=needs,
         run_failed=refused,
     )
+
+
+def _without_checks_of_placeholders(
+    found: StudyResult[Any], application: Application
+) -> StudyResult[Any]:
+    """Return a result without checks while the application holds placeholders.
+
+    Its numbers are those of a vehicle that does not exist: they neither approve nor reject.
+    """
+    if not application.placeholders:
+        return found
+    unevaluated = (
+        UnevaluatedCheck(
+            limit=c.limit, line=c.line, when=c.when, part=c.part,
+            missing_inputs=(PLACEHOLDER_INPUT,),
+        )
+        for c in found.checks
+    )  # fmt: skip
+    return replace(found, checks=(), unevaluated=(*unevaluated, *found.unevaluated))
 
 
 def _unasked(application: Application, names: set[str]) -> Iterator[StudyResult[Any]]:

@@ -47,6 +47,7 @@ def notes_for(
     application: Application, responses: Sequence[LineResponse]
 ) -> Iterator[TranslatableMessage]:
     """Yield what a reader of an approval should know, in sentences without their ends."""
+    yield from _placeholders(application)
     yield from conflicting_limits([r for r in responses if r.layout.points.ndim == 3])
     yield from _unasked_joints(responses)
     yield from _mismatches(application)
@@ -61,6 +62,15 @@ def notes_for(
     yield from _not_driven(responses)
     yield from _left_out(responses)
     yield from _uneven_ahead(responses)
+
+
+def _placeholders(application: Application) -> Iterator[TranslatableMessage]:
+    """Yield which values are not the vehicle's yet, for which nothing is evaluated."""
+    if application.placeholders:
+        yield translatable_message(
+            "nothing is evaluated while these keys hold placeholders: {names}",
+            names=", ".join(application.placeholders),
+        )
 
 
 def _figures(value: float) -> str:

@@ -97,20 +97,33 @@ ReportPaths: TypeAlias = Mapping[str, Path]
 
 
 def read_application(
-    file: Path, limits: str | None, *, allow_outside: bool, outputs: OutputPaths
+    file: Path,
+    limits: str | None,
+    *,
+    allow_outside: bool,
+    outputs: OutputPaths,
+    with_placeholders: bool = False,
 ) -> Any:
     """Return the application of a file, with what looks odd in it told on the way.
 
-    Refuse it where one of the claimed outputs is a file that it names.
+    Refuse it where one of the claimed outputs is a file that it names, and one that still holds
+    placeholders, except `with_placeholders`.
     """
     from cardan.application import reader
     from cardan.application.plausibility import with_limit_profile
+    from cardan.model.application import require_no_placeholders
     from cardan.schema import atomic_write as writer
 
     application = reader.read(file, allow_outside=allow_outside)
     writer.check_output_paths(
         outputs, inputs=application.written.referenced_files if application.written else ()
     )
+    if not with_placeholders:
+        try:
+            require_no_placeholders(application)
+        except DesignError as error:
+            msg = f"{file}: {error}"
+            raise DesignError(msg) from None
     if limits:
         application = with_limit_profile(application, limits)
     for warning in application.warnings:
@@ -144,7 +157,9 @@ def approve_file(
     from cardan.approval.approval import approve_application, default_studies
     from cardan.approval.registry import studies_of_application
 
-    application = read_application(file, limits, allow_outside=allow_outside, outputs=outputs)
+    application = read_application(
+        file, limits, allow_outside=allow_outside, outputs=outputs, with_placeholders=True
+    )
     chosen = {s.name: s for s in default_studies(application)}
     for study in (studies_of_application()[s] if isinstance(s, str) else s for s in also):
         chosen.setdefault(study.name, study)

@@ -20,7 +20,10 @@ from cardan.cli.exit_codes import (
     exit_with_code_2_on_known_errors,
     raise_command_error,
 )
+from cardan.cli.new_imports import ImportedFiles, write_imported
 from cardan.cli.quantity import QuantityParam
+
+_INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 
 
 @click.command(cls=NoRepeatedOptionCommand)
@@ -34,9 +37,17 @@ from cardan.cli.quantity import QuantityParam
               help="Write two files: of this wheelbase and of that of --wheelbase-to.")  # fmt: skip
 @click.option("--wheelbase-to", type=QuantityParam("mm", "m", "in"), metavar="LENGTH",
               help="Wheelbase after the change; the last shaft takes it up.")  # fmt: skip
-@click.option("--of", "own", type=click.Path(exists=True, dir_okay=False, path_type=Path),
-              metavar="APPLICATION",
-              help="Change the wheelbase of this application in place of a starter's.")  # fmt: skip
+@click.option("--of", "own", type=_INPUT_FILE, metavar="APPLICATION",
+              help="Change this application in place of a starter: its wheelbase, duty or "
+              "hardpoints.")  # fmt: skip
+@click.option("--vecto", "job", type=_INPUT_FILE, metavar="JOB",
+              help="The powertrain of a VECTO job (.vecto); its geometry is left to "
+              "enter.")  # fmt: skip
+@click.option("--vmod", type=_INPUT_FILE, metavar="RESULTS",
+              help="The duty cycle of a trip that VECTO simulated (.vmod), for --vecto or "
+              "--of.")  # fmt: skip
+@click.option("--hardpoints", type=_INPUT_FILE, metavar="TABLE",
+              help="Points of the line from a table: name, x [mm], y [mm], z [mm].")  # fmt: skip
 @click.option("--force", is_flag=True, help="Replace the file.")
 @exit_with_code_2_on_known_errors
 def new(
@@ -47,6 +58,9 @@ def new(
     wheelbase_from: float | None,
     wheelbase_to: float | None,
     own: Path | None,
+    job: Path | None,
+    vmod: Path | None,
+    hardpoints: Path | None,
     force: bool,
 ) -> None:
     """Write a commented FILE to start from.
@@ -59,14 +73,25 @@ def new(
 
     With two wheelbases it writes FILE-3600.yaml and FILE-4500.yaml: the application before and
     after the change, for `cardan check` to hold side by side.
+
+    With --vecto, --vmod or --hardpoints it holds what those files say. Values that they do not
+    give are placeholders, listed in the file: nothing is evaluated before they are replaced.
     """
     from cardan.application import templates
 
     if (wheelbase_from is None) != (wheelbase_to is None):
         raise_command_error("--wheelbase-from and --wheelbase-to are given together")
+    imports = ImportedFiles(job=job, vmod=vmod, hardpoints=hardpoints)
+    if imports.any_given:
+        if example is not None or wheelbase_from is not None or kind == CAMPAIGN_KIND:
+            raise_command_error(
+                "--vecto, --vmod and --hardpoints go with a starter or --of, not with --example, "
+                "a campaign or another wheelbase"
+            )
+        write_imported(file, imports, kind=_kind_given(kind), own=own, replace=force)
+        return
     if example is not None:
-        told = click.get_current_context().get_parameter_source("kind")
-        if told is not ParameterSource.DEFAULT:
+        if _kind_given(kind) is not None:
             raise_command_error("--kind is a starter, --example a worked example: give one of them")
         if wheelbase_from is not None or own is not None:
             raise_command_error("--example is written as it is: change its wheelbase with --of")
@@ -83,9 +108,18 @@ def new(
         )
         return
     if own is not None:
-        raise_command_error("--of changes a wheelbase: give --wheelbase-from and --wheelbase-to")
+        raise_command_error(
+            "--of changes an application: give --wheelbase-from and --wheelbase-to, --vmod or "
+            "--hardpoints"
+        )
     write_output(file, templates.template_text(kind), replace=force)
     echo(f"{file} is written; `cardan check {file}` assesses it.")
+
+
+def _kind_given(kind: str) -> str | None:
+    """Return the kind of starter that the command line names; None if it names none."""
+    told = click.get_current_context().get_parameter_source("kind")
+    return None if told is ParameterSource.DEFAULT else kind
 
 
 def _write_example(name: str, out: Path, *, replace: bool) -> None:

@@ -359,6 +359,8 @@ class Application:
     """What a study of the application's variants asks."""
     report: ReportIdentification = ReportIdentification()
     """What its reports say of customer, drawing and signatures."""
+    placeholders: tuple[str, ...] = ()
+    """Keys whose values are not the vehicle's yet: no study evaluates it."""
     electric: bool = False
     """Whether a motor drives: nothing fires, and it turns from standstill on."""
     prime_mover_factor: float = 1.25
@@ -402,3 +404,17 @@ def missing_state_kinds(application: Application) -> tuple[str, ...]:
     return tuple(
         kind for kind, alike in EXPECTED_STATE_KINDS.items() if kind in asked and not alike & given
     )
+
+
+def require_no_placeholders(application: Application) -> None:
+    """Refuse an application of which some values are not the vehicle's yet.
+
+    Raises
+    ------
+    DesignError
+        With the keys that hold placeholders.
+    """
+    if application.placeholders:
+        keys = ", ".join(application.placeholders)
+        msg = f"these keys still hold placeholders: {keys}; enter the vehicle's values first"
+        raise DesignError(msg)

@@ -690,7 +690,7 @@ def test_a_wrong_file_is_told_what_is_wrong(old, new, messages):
         ("colour: red", ["f.yaml:11:1: colour: unknown key; there are: title, driveline, drivelines, "
          "torque_Nm, torque_kNm, torque_lbft, coast_torque_Nm, coast_torque_kNm, coast_torque_lbft, "
          "speed_rpm, speed_rad_s, vehicle, engine, gearbox, axle, tyre, suspension, states, "
-         "obstacles, limits and 16 more"]),
+         "obstacles, limits and 17 more"]),
     ],
 )  # fmt: skip
 def test_a_wrong_line_is_told_what_is_wrong(line, messages):

@@ -53,10 +53,17 @@ def cylinder_of_face(face: Any) -> Cylinder | None:
     """Return what cylinder a face is part of; None if of none.
 
     The kernel tells no kinds of surfaces, so a surface is a cylinder where its normals at
-    four places meet in one line, at one distance from it.
+    four places meet in one line, at one distance from it. A spline may go round with its second
+    parameter, from 0 to 1.
     """
+    return _cylinder_at(face, [(u, v) for u in (0.3, 1.1, 2.3, 4.0) for v in (0.0, 1.0)]) or (
+        _cylinder_at(face, [(u, v) for v in (0.1, 0.3, 0.6, 0.9) for u in (0.0, 1.0)])
+    )
+
+
+def _cylinder_at(face: Any, at: list[tuple[float, float]]) -> Cylinder | None:
+    """Return the cylinder of a face by its normals at these parameters: pairs along its axis."""
     try:
-        at = [(u, v) for u in (0.3, 1.1, 2.3, 4.0) for v in (0.0, 1.0)]
         found = [face.surf.D1(u, v) for u, v in at]
     except Exception:  # noqa: BLE001  a surface that is not known so far out is no cylinder
         return None

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -29,6 +30,7 @@ from cardan.physics.fem.round_faces import (
     cylinder_of_face,
     is_outside_of_round,
 )
+from cardan.physics.fem.step_structure import StepStructure, names_of_solids
 
 _AS_THICK = 1.75
 """Times the mean thickness of a solid, and share of it, that its walls may have."""
@@ -53,12 +55,9 @@ def solid_from_step(part: StepFileShape) -> BracketSolid:
     if not Path(part.path).is_file():
         msg = f"no STEP file at {part.path}"
         raise DesignError(msg, about="bracket.step")
-    try:
-        body = occ.OCCGeometry(part.path).shape
-    except Exception as error:  # the kernel raises bare exceptions of its own
-        msg = f"{part.path} is not a STEP file the CAD kernel can read ({error})"
-        raise DesignError(msg, about="bracket.step") from error
-    body = _chosen(body, part)
+    structure = StepStructure(Path(part.path).read_text("latin-1"))
+    solids = _solids(structure, part.path)
+    body, names = _chosen(solids, names_of_solids(structure, solids), part)
     faces = list(body.faces)
     wanted = [
         (SEAT_FACE_NAME, part.seat),
@@ -74,7 +73,11 @@ def solid_from_step(part: StepFileShape) -> BracketSolid:
     round_: set[int] = set()
     seat: tuple[list[Any], Cylinder | None] = [], None
     for name, picks in wanted:
-        mine = {k for n, pick in enumerate(picks) for k in _picked(faces, pick, part.path, name, n)}
+        mine = {
+            k
+            for n, pick in enumerate(picks)
+            for k in _picked(faces, names, pick, part.path, name, n)
+        }
         mine |= {other for k in mine for other in bore_faces(faces, k)}
         for k in mine:
             if taken.get(k, name) != name:
@@ -133,38 +136,75 @@ def solid_from_step(part: StepFileShape) -> BracketSolid:
     return replace(made, face_selections=tuple(found))
 
 
-def _chosen(body: Any, part: StepFileShape) -> Any:
-    """Return the solid that is meant: the only one, or the one of its name, or of its place."""
-    solids = list(body.solids)
+def _solids(structure: StepStructure, path: str) -> list[Any]:
+    """Return the solids of all roots of a file; the kernel reads the first root alone."""
+    occ = import_ngsolve().occ
+    try:
+        if not (roots := structure.root_texts()):
+            return list(occ.OCCGeometry(path).shape.solids)
+        found: list[Any] = []
+        with TemporaryDirectory(prefix="cardan-step-") as folder:
+            for k, text in enumerate(roots):
+                one = Path(folder) / f"root{k}.step"
+                one.write_text(text, "latin-1")
+                found += occ.OCCGeometry(str(one)).shape.solids
+        return found
+    except Exception as error:  # the kernel raises bare exceptions of its own
+        msg = f"{path} is not a STEP file the CAD kernel can read ({error})"
+        raise DesignError(msg, about="bracket.step") from error
+
+
+def _chosen(
+    solids: list[Any], names: list[tuple[str, str, tuple[str, ...]]], part: StepFileShape
+) -> tuple[Any, list[str]]:
+    """Return the solid that is meant, and its faces' names.
+
+    It is the only one, or the one of its name, its product's or its place.
+    """
+    products = [product for _, product, _ in names]
+    called = [
+        one.name or own or (product if products.count(product) == 1 else "")
+        for one, (own, product, _) in zip(solids, names, strict=True)
+    ]
     told = ", ".join(
-        f"{one.name or f'{k} (no name)'} of {one.mass / 1000:.4g} cm3"
-        for k, one in enumerate(solids, 1)
+        f"{name or f'{k} (no name)'} of {one.mass / 1000:.4g} cm3"
+        for k, (one, name) in enumerate(zip(solids, called, strict=True), 1)
     )
     if not solids:
         msg = f"{part.path} has no solid, surfaces at most: export the bracket as a solid"
         raise DesignError(msg, about="bracket.step.file")
+    place = 0
     if part.solid:
-        named = [one for one in solids if one.name == part.solid] or [
-            one for k, one in enumerate(solids, 1) if not one.name and f"{k}" == part.solid
-        ]
+        named = (
+            [k for k, name in enumerate(called) if name == part.solid]
+            or [k for k, product in enumerate(products) if product == part.solid]
+            or [k for k, name in enumerate(called) if not name and f"{k + 1}" == part.solid]
+        )
         if len(named) != 1:
             if named:
                 msg = f"{len(named)} solids of {part.path} are called {part.solid!r}: it has {told}"
             else:
                 msg = f"no solid of {part.path} is called {part.solid!r}: it has {told}"
             raise DesignError(msg, about="bracket.step.solid")
-        return named[0]
-    if len(solids) > 1:
+        place = named[0]
+    elif len(solids) > 1:
         msg = (
             f"{part.path} has {len(solids)} solids, {told}: say which by `solid`, its name or, if "
             "it has none, its number"
         )
         raise DesignError(msg, about="bracket.step")
-    return solids[0]
+    written = names[place][2]
+    faces = solids[place].faces
+    return solids[place], [face.name or said for face, said in zip(faces, written, strict=True)]
 
 
 def _picked(
-    faces: list[Any], pick: FaceSelector, path: str, name: str, place: int
+    faces: list[Any],
+    names: list[str],
+    pick: FaceSelector,
+    path: str,
+    name: str,
+    place: int,
 ) -> Iterable[int]:
     """Places of the faces a pick means."""
     about = _about(name, place)
@@ -172,12 +212,12 @@ def _picked(
         # A bolt's name means its ring and its hole's wall, as this program writes them.
         found = [
             k
-            for k, face in enumerate(faces)
-            if face.name in (pick.name, pick.name + HOLE_WALL_NAME_SUFFIX)
+            for k, called in enumerate(names)
+            if called in (pick.name, pick.name + HOLE_WALL_NAME_SUFFIX)
         ]
         if not found:
-            names = sorted({face.name for face in faces if face.name})
-            has = f"its faces are called {', '.join(names)}" if names else "none of its has a name"
+            there = sorted({*names} - {""})
+            has = f"its faces are called {', '.join(there)}" if there else "none of its has a name"
             msg = f"no face of {path} is called {pick.name!r}: {has}; or pick by a point on it"
             raise DesignError(msg, about=about)
         return found

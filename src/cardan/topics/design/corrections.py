@@ -41,7 +41,11 @@ from cardan.core.verdict import (
     worst_verdict,
 )
 from cardan.model.adjustments import ADJUSTMENTS
-from cardan.model.application import Application, PermittedAdjustment
+from cardan.model.application import (
+    Application,
+    PermittedAdjustment,
+    require_no_placeholders,
+)
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
 from cardan.topics.design.correction import Correction, LimitOfPart, cost_of
 from cardan.topics.design.robustness import (
@@ -455,7 +459,7 @@ def find_corrections(
     Raises
     ------
     DesignError
-        If the application has no such line, or nothing of a name to hold.
+        If the application has no such line, nothing of a name to hold, or placeholders.
 
     Notes
     -----
@@ -464,6 +468,7 @@ def find_corrections(
     trials find the region and sequential quadratic programming the place in it. Other lines and
     studies are asked of what it comes to, not while it goes on.
     """
+    require_no_placeholders(application)
     response = _line(application, line)
     movable = _unheld(allowed_adjustments(response), hold)
     before = compute_line_response(application, response.demand)

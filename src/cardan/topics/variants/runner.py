@@ -25,7 +25,7 @@ import numpy as np
 from cardan.core.arrays import single_threaded_blas
 from cardan.core.errors import DesignError
 from cardan.core.status import ignore_status
-from cardan.model.application import Application
+from cardan.model.application import Application, require_no_placeholders
 from cardan.model.variants import VariantStudy
 from cardan.topics.variants.evaluation import (
     EvaluatedVariants,
@@ -116,7 +116,10 @@ def run_study(
         If the folder holds another study, or one already.
     Stopped
         If it was stopped from the keyboard; it holds what is told of the shards done.
+    DesignError
+        If the application holds placeholders.
     """
+    require_no_placeholders(application)
     job, asked = ShardJob.from_study(application, variants, seed=seed, points=points), variants.ask
     bench, stamps = job.evaluator, file_stamps(job)
     count, size = (
