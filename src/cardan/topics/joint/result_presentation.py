@@ -156,7 +156,7 @@ def limits_table(of: JointResult, say: Translator) -> Table:
         caption=say("Limits of the output"),
         head=(
             say("quantity"), say("unit"), "", say("value"), say("limit"),
-            say("largest angle [deg]" if of.pair is None else "largest equivalent angle [deg]"),
+            say("largest angle [deg]"),
             say("by ω² β² [deg]"),
         ),
         rows=tuple(_limit_row(limit, say) for limit in of.limits),
