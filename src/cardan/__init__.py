@@ -16,6 +16,7 @@ __all__ = [
     "Approval",
     "CompositeTube",
     "Corrections",
+    "Joint",
     "JointWithBacklash",
     "MotorDrivenShaft",
     "QuantityValues",
@@ -33,6 +34,7 @@ __all__ = [
     "fates",
     "fix",
     "hysteretic_threshold",
+    "joint",
     "life",
     "lightest",
     "loads",
@@ -55,6 +57,7 @@ if TYPE_CHECKING:
         Approval,
         CompositeTube,
         Corrections,
+        Joint,
         JointWithBacklash,
         MotorDrivenShaft,
         QuantityValues,
@@ -71,6 +74,7 @@ if TYPE_CHECKING:
         fates,
         fix,
         hysteretic_threshold,
+        joint,
         life,
         lightest,
         loads,
@@ -97,5 +101,12 @@ def __getattr__(name: str) -> object:
     return getattr(import_module(f"{__name__}.api"), name)
 
 
+_RESULT_TYPES = {
+    "Application", "Approval", "Corrections", "Joint", "QuantityValues", "RainflowMatrices",
+    "RecordingResult", "Sizing", "Sweep",
+}  # fmt: skip
+
+
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    """List the functions, and the parts that some of them take; results come from functions."""
+    return sorted(set(__all__) - _RESULT_TYPES)

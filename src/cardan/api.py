@@ -1,9 +1,9 @@
-"""The public face, `import cardan`: read, ask, show, from a script or a notebook.
+"""Public interface, `import cardan`: read, evaluate and show, from a script or a notebook.
 
-It translates and never calculates: every answer is that of a study, every word and every
-document that of a report. Nothing below knows it. Beside those stand the sciences that ask a
-part by itself, which no application file describes: a run-up, a joint with play, a steering
-column, damping that turns, a tube of plies.
+Results are those of the studies, texts and documents those of the reports; nothing is computed
+here and no other module imports it. Further functions evaluate one part without an application
+file: a universal joint, a run-up, a joint with backlash, a steering column, internal damping, a
+composite tube.
 """
 
 import json
@@ -27,8 +27,9 @@ from cardan.approval import approval as approvals
 from cardan.approval.registry import studies_of_application
 from cardan.approval.study import BRACKET_STUDY_NAME, DRIVELINE_STUDY_NAME, Study, StudyResult
 from cardan.checks.quantities.registry import LIMITABLE_QUANTITIES, LINE_QUANTITIES, QUANTITIES
-from cardan.core.errors import CardanError, DesignError, MissingDependencyError
+from cardan.core.errors import CardanError, DesignError
 from cardan.core.labels import EvaluationCondition, Part
+from cardan.core.optional_import import import_optional
 from cardan.core.verdict import VERDICTS, Verdict
 from cardan.documents import approval_json as contract
 from cardan.model.application import Application, GearboxAndAxleRotors
@@ -42,7 +43,8 @@ from cardan.render.blocks import ReportDateAndSourceStamp, ReportDocument
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.json_contract import check_json, unevaluated_json
 from cardan.render.media import REPORT_MEDIA, ReportMedium
-from cardan.render.terminal import verdict_lines
+from cardan.render.phrases import check_sentence, worst_check_per_limit
+from cardan.render.terminal import summary_lines, verdict_lines
 from cardan.render.text_layout import without_colours
 from cardan.schema.atomic_write import write_atomically
 from cardan.schema.node_reader import nearest_name_hint
@@ -51,6 +53,7 @@ from cardan.topics.design import corrections as fixes
 from cardan.topics.design import sizing as sizings
 from cardan.topics.design.corrections_json_presentation import corrections_json
 from cardan.topics.design.presentation import correction_lines
+from cardan.topics.joint.notebook_presentation import Joint, joint
 from cardan.topics.recording import rainflow_matrices as matrices
 from cardan.topics.recording.registration import RecordingCampaignStudy
 from cardan.topics.torsion.registration import VibrationStudy
@@ -63,6 +66,7 @@ __all__ = [
     "Approval",
     "CompositeTube",
     "Corrections",
+    "Joint",
     "JointWithBacklash",
     "MotorDrivenShaft",
     "QuantityValues",
@@ -79,6 +83,7 @@ __all__ = [
     "fates",
     "fix",
     "hysteretic_threshold",
+    "joint",
     "life",
     "lightest",
     "loads",
@@ -96,6 +101,9 @@ __all__ = [
 
 ResultT = TypeVar("ResultT")
 
+MAX_ROWS_OF_REPR, MAX_LINES_OF_REPR = 3, 6
+"""Rows of checks or values, and lines of other text, that a repr shows; `print` shows all."""
+
 
 # --------------------------------------------------------------------------- what is returned
 
@@ -107,10 +115,39 @@ class Approval(approvals.Approval):
     """
 
     def __repr__(self) -> str:
+        summary = without_colours(summary_lines(self))
+        worst = [c for c in worst_check_per_limit(self.checks) if c.grade != "pass"]
+        rows = [f"  {check_sentence(c, ENGLISH)}" for c in worst[:MAX_ROWS_OF_REPR]]
+        return "\n".join([summary, *rows, *_more(len(worst) - len(rows))])
+
+    def __str__(self) -> str:
         return without_colours(verdict_lines(self))
 
     def _repr_html_(self) -> str:
         return _module("documents.notebook").approval_html(self, ENGLISH)
+
+    def plot(self, view: str = "side", *, line: str | None = None) -> Any:
+        """Draw a line as reports do: "side", "top", "yokes", "planes" or "phasors".
+
+        The drawing shows itself in a notebook; `.save("side.svg")` writes it. `line` names one of
+        several lines, the first by default.
+
+        Raises
+        ------
+        ValueError
+            If there is no such view or no such line.
+        """
+        views = _module("documents.notebook").LINE_VIEWS
+        lines = {r.line.name: r for r in self.line_responses}
+        if not lines:
+            msg = f"{', '.join(self.studies)} alone has no drawing: use cardan.check"
+            raise ValueError(msg)
+        line = next(iter(lines)) if line is None else line
+        for what, name, known in (("view", view, views), ("line", line, lines)):
+            if name not in known:
+                msg = f"there is no {what} {name}; {nearest_name_hint(name, tuple(known))}"
+                raise ValueError(msg)
+        return _module("documents.notebook").line_drawing(lines[line], view)
 
     def to_frame(self) -> Any:
         """Return a pandas frame with a row for each check, and for each that has no answer."""
@@ -246,8 +283,14 @@ class QuantityValues:
         )
 
     def __repr__(self) -> str:
+        if len(self.values) <= MAX_ROWS_OF_REPR:
+            return str(self)
+        head, *_ = str(self).splitlines()
+        return "\n".join([head, f"  worst: {self.worst}", *_more(len(self.values) - 1)])
+
+    def __str__(self) -> str:
         head = f"{QUANTITIES[self.quantity].name} [{self.unit or '1'}]"
-        return "\n  ".join([head, *map(repr, self.values)])
+        return "\n  ".join([head, *(map(repr, self.values) if self.values else ["no value"])])
 
 
 class Corrections(tuple[fixes.Correction, ...]):
@@ -256,10 +299,13 @@ class Corrections(tuple[fixes.Correction, ...]):
     __slots__ = ()
 
     def __repr__(self) -> str:
+        return _first_lines(str(self))
+
+    def __str__(self) -> str:
         return without_colours(correction_lines(self))
 
     def _repr_html_(self) -> str:
-        return _module("documents.notebook").preformatted_html(repr(self))
+        return _module("documents.notebook").preformatted_html(str(self))
 
     def to_dict(self) -> list[dict[str, Any]]:
         """Return what `cardan fix --json` writes."""
@@ -270,10 +316,13 @@ class Sizing(sizings.SizingResult):
     """Other parts that would do: `remedies`, `hopeless`, and the `approval` with them."""
 
     def __repr__(self) -> str:
+        return _first_lines(str(self))
+
+    def __str__(self) -> str:
         return without_colours(_module("topics.design.sizing_presentation").text_lines(self))
 
     def _repr_html_(self) -> str:
-        return _module("documents.notebook").preformatted_html(repr(self))
+        return _module("documents.notebook").preformatted_html(str(self))
 
     def to_dict(self) -> dict[str, Any]:
         """Return what `cardan size --json` writes."""
@@ -321,6 +370,9 @@ class Sweep(VariantStudyResult):
         return self.evaluated_variants.limit_columns
 
     def __repr__(self) -> str:
+        return _first_lines(str(self), MAX_ROWS_OF_REPR - 1)
+
+    def __str__(self) -> str:
         return without_colours(
             _module("topics.variants.presentation").terminal_lines(self, ENGLISH)
         )
@@ -370,10 +422,13 @@ class RecordingResult(StudyResult[Any]):
         return _module("topics.recording.life_verdict").assessment_verdict(self)
 
     def __repr__(self) -> str:
+        return _first_lines(str(self))
+
+    def __str__(self) -> str:
         return without_colours(_module("topics.recording.presentation").terminal_lines(self))
 
     def _repr_html_(self) -> str:
-        return _module("documents.notebook").preformatted_html(repr(self))
+        return _module("documents.notebook").preformatted_html(str(self))
 
     def to_dict(self) -> dict[str, Any]:
         """Return what `cardan life --json` writes."""
@@ -414,7 +469,7 @@ class RecordingCampaignResult(RecordingResult):
     `answer` holds the `parts`, recording by recording, and the `lives`.
     """
 
-    def __repr__(self) -> str:
+    def __str__(self) -> str:
         return without_colours(
             _module("topics.recording.presentation").campaign_terminal_lines(self)
         )
@@ -718,8 +773,16 @@ def _frame(columns: Mapping[str, Any]) -> Any:
 
 
 def _pandas() -> Any:
-    try:
-        return import_module("pandas")
-    except ModuleNotFoundError as error:
-        msg = "a frame needs pandas: pip install 'cardan[frame]'"
-        raise MissingDependencyError(msg) from error
+    return import_optional("pandas", extra="frame", purpose="a frame")
+
+
+def _more(count: int) -> list[str]:
+    """Return that print shows so many more rows; nothing if there are none."""
+    return [f"  +{count} more: print"] if count > 0 else []
+
+
+def _first_lines(text: str, count: int = MAX_LINES_OF_REPR) -> str:
+    """Return the first lines of a text, and how many more print shows."""
+    lines = text.splitlines()
+    rest = len(lines) - count
+    return "\n".join([*lines[:count], f"+{rest} lines: print"]) if rest > 1 else text

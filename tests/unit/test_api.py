@@ -50,7 +50,10 @@ def test_import_loads_no_dependency_before_first_use():
 
 
 def test_every_public_name_is_importable():
-    assert set(cardan.__all__) <= set(dir(cardan))
+    assert set(dir(cardan)) < set(cardan.__all__)
+    assert {"check", "joint", "read", "study"} < set(dir(cardan))
+    results = {"Approval", "Joint", "Sweep", "api", "TYPE_CHECKING", "core"}
+    assert not results & set(dir(cardan))
     for name in cardan.__all__:
         assert getattr(cardan, name) is not None
     with pytest.raises(AttributeError, match="tubes"):
@@ -64,9 +67,9 @@ def test_api_check_equals_command_line_check(app, found):
     plain = approve_driveline(app)
     assert found.verdict == plain.verdict == "fail"
     assert found.to_dict() == contract.json_document(plain)
-    said = repr(found).splitlines()
+    said = str(found).splitlines()
     assert said[0].startswith("Refuse collector 6x2, three shafts: FAIL (")
-    assert "\x1b" not in repr(found)
+    assert "\x1b" not in str(found)
     coloured = list(verdict_lines(plain))
     assert len(said) == len(coloured)
     assert found.coverage == plain.coverage
@@ -165,13 +168,48 @@ def test_quantity_is_listed_by_line_state_and_part(found):
         state = next(s for s in document if s["name"] == v.when.name)
         worst_there = state["centre_bearings"][v.part.number - 1]["on_rubber"]["worst"]
         assert worst_there["peak_N"] == pytest.approx(v.value)
-    assert repr(peaks).startswith("Centre bearing, peak force [N]\n  main, full rebound")
+    assert str(peaks).startswith("Centre bearing, peak force [N]\n  main, full rebound")
     assert str(found.quantity("clearance").worst.part) == "shaft 3 to auxiliary beam"
     with pytest.raises(ValueError, match=r"did you mean joint_angle\?"):
         found.quantity("joint_angel")
 
 
 @pytest.mark.slow
+def test_public_objects_have_a_short_repr(app, found):
+    peaks = found.quantity("centre_bearing_peak")
+    for shown, first in (
+        (app, "Application('Refuse collector 6x2, three shafts', lines=1, states=7"),
+        (found, "Refuse collector 6x2, three shafts: FAIL ("),
+        (peaks, "Centre bearing, peak force [N]"),
+    ):
+        lines = repr(shown).splitlines()
+        assert lines[0].startswith(first)
+        assert len(lines) <= 5
+        assert max(map(len, lines)) < 120
+    assert repr(peaks).splitlines()[1] == f"  worst: {peaks.worst}"
+    assert "+" in repr(found).splitlines()[-1]
+    assert str(found.quantity("joint_fatigue_utilisation")).count("\n") >= 1
+
+
+def test_plot_returns_drawing_of_a_view(found, tmp_path):
+    drawing = found.plot("side")
+    assert shown(drawing._repr_html_()).seen >= {"svg", "path"}
+    assert drawing.svg in found._repr_html_()
+    assert len(repr(drawing)) < 100
+    path = drawing.save(tmp_path / "side.svg")
+    assert path.read_text(encoding="utf-8") == drawing.svg
+    for view in ("top", "yokes", "planes", "phasors"):
+        assert found.plot(view, line="main").svg.startswith("<svg")
+    with pytest.raises(CardanError, match=r"ends in \.svg; got side\.png"):
+        drawing.save(tmp_path / "side.png")
+    with pytest.raises(CardanError, match=r"side\.svg"):
+        drawing.save(path)  # an existing file stays
+    with pytest.raises(ValueError, match="no view sid; did you mean side"):
+        found.plot("sid")
+    with pytest.raises(ValueError, match="no line man; did you mean main"):
+        found.plot(line="man")
+
+
 def test_quantity_of_another_study_is_available(app):
     found = cardan.stability(app)
     assert found.verdict == "warn"
@@ -201,8 +239,8 @@ def test_changed_value_is_checked_like_a_changed_file(app):
 def test_proposals_repr_equals_command_output(app):
     found = cardan.fix(app, count=2)
     assert len(found) == 2
-    assert repr(found) == without_colours(correction_lines(tuple(found)))
-    assert "bearing 2 up 20 mm" in repr(found)
+    assert str(found) == without_colours(correction_lines(tuple(found)))
+    assert "bearing 2 up 20 mm" in str(found)
     assert found.to_dict()[0]["line"] == "main"
 
 

@@ -39,6 +39,7 @@ REINFORCED_VARIANT_NAME = "reinforced"
 @click.option("--step", type=OUTPUT_PATH, help="Its shape, for CAD; faces carry their names.")
 @click.option("--inp", type=OUTPUT_PATH, help="Mesh, held faces and cases, for CalculiX or Abaqus.")
 @click.option("--bdf", type=OUTPUT_PATH, help="The same for Nastran, as bulk data.")
+@click.option("--all", "every", is_flag=True, help="A row for each check, and all tables.")
 @click.option(
     "--optimise",
     is_flag=True,
@@ -57,6 +58,7 @@ def bracket(
     step: Path | None,
     inp: Path | None,
     bdf: Path | None,
+    every: bool,
     optimise: bool,
     limits: str | None,
     allow_outside: bool,
@@ -69,8 +71,8 @@ def bracket(
     variant is listed next to the original. Needs the extra cardan[bracket]. Exit code 0 if
     the original passes or warns, 1 if it fails a limit, 2 for a bad file.
 
-    With --optimise sizes are chosen instead: 0 where some live long enough, in bolts that hold,
-    else 1.
+    Prints one screen; --all prints the rest. With --optimise sizes are chosen instead: 0 where
+    some live long enough, in bolts that hold, else 1.
     """
     from cardan.approval.approval import approve_application
     from cardan.approval.study import BRACKET_STUDY_NAME
@@ -86,6 +88,7 @@ def bracket(
     from cardan.topics.bracket.optimisation import find_lightest_bracket
     from cardan.topics.bracket.presentation import terminal_lines
     from cardan.topics.bracket.registration import BracketStudy
+    from cardan.topics.bracket.screen_presentation import screen_lines
     from cardan.topics.bracket.solver_deck import solver_deck
     from cardan.topics.bracket.vtk_file import vtu_text
 
@@ -156,7 +159,8 @@ def bracket(
 
         write_output(step, export_step_in_subprocess(found.bracket.shape))
     if json_out != "-":
-        echo_lines(terminal_lines(approval, say, width=terminal_width()))
+        lines = terminal_lines if every else screen_lines
+        echo_lines(lines(approval, say, width=terminal_width()))
     exit_with_verdicts(approval.verdict)
 
 

@@ -25,11 +25,7 @@ from cardan.cli.common import (
     write_output,
     write_report,
 )
-from cardan.cli.exit_codes import (
-    NoRepeatedOptionCommand,
-    exit_with_code_2_on_known_errors,
-    exit_with_verdicts,
-)
+from cardan.cli.exit_codes import exit_with_code_2_on_known_errors, exit_with_verdicts
 from cardan.cli.life_overview import is_overview, print_overview
 from cardan.cli.life_tables import (
     TABLE_NAMES,
@@ -38,9 +34,25 @@ from cardan.cli.life_tables import (
     table_options,
     write_tables,
 )
+from cardan.cli.option_groups import GroupedOptionsCommand
 from cardan.core.errors import DesignError, MissingDependencyError
 from cardan.render.media import REPORT_MEDIA
 from cardan.topics.recording.option_table import LifeOption, options_in_help_order
+
+OPTION_GROUPS = {
+    "Gauges": "gauges",
+    "Strength and damage": "sn",
+    "Signals": "zero",
+    "Shaft, engine and causes": "speed",
+    "Prediction from the geometry": "predicted",
+    "Other models of life": "strain_life",
+    "Use, identification, another application": "usage",
+    "Reading the file, suspect data": "rate",
+    "Limits": "target_hours",
+    "Output": "json_out",
+    "General": "allow_outside",
+}
+"""Groups of the help by purpose, each with its first option in the order of the help."""
 
 
 def _check_plot_suffix(_: click.Context, __: click.Parameter, out: Path | None) -> Path | None:
@@ -99,7 +111,11 @@ def _analysis_options(command: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
-@click.command(cls=NoRepeatedOptionCommand)
+class _LifeCommand(GroupedOptionsCommand):
+    option_groups = OPTION_GROUPS
+
+
+@click.command(cls=_LifeCommand)
 @click.argument("recording", type=click.Path(dir_okay=False, path_type=Path))
 @_analysis_options
 @JSON_OPTION

@@ -21,6 +21,7 @@ from cardan.cli.common import (
     progress_line,
     read_application,
     report_options,
+    terminal_width,
     validate_output_paths,
     write_json,
     write_report,
@@ -66,6 +67,7 @@ from cardan.core.errors import DesignError, FileIssue, InvalidFileError
     default=None,
     help="At a time; by default one a core, here or of the cluster.",
 )
+@click.option("--all", "every", is_flag=True, help="Print every table and remark.")
 @JSON_OPTION
 @report_options
 @limits_and_language_options
@@ -81,6 +83,7 @@ def study(
     resume: bool,
     executor: str,
     workers: int | None,
+    every: bool,
     json_out: str | None,
     reports: ReportPaths,
     limits: str | None,
@@ -92,7 +95,7 @@ def study(
 
     The file's `study`, or a file of --study, says what varies, what scatters and what is
     evaluated. Stopped from the keyboard it reports what is done; with --out that is kept, and
-    --resume goes on to the same result, to the last bit.
+    --resume goes on to the same result, to the last bit. Prints one screen; --all prints the rest.
 
     Exit code 0 if the study was computed to its end, whatever its result, 130 if it was
     stopped.
@@ -103,6 +106,7 @@ def study(
     from cardan.topics.variants.presentation_json import json_document
     from cardan.topics.variants.presentation_report import report
     from cardan.topics.variants.runner import run_study as run
+    from cardan.topics.variants.screen_presentation import screen_lines
     from cardan.topics.variants.study_result import StudyInterrupted
 
     say = Translator(lang)
@@ -174,7 +178,10 @@ def study(
         told = report(found, say=say, issue=stamp)
         write_report(told, reports, say=say, quiet=quiet)
     if json_out != "-":
-        echo_lines(presentation.terminal_lines(found, say))
+        if every:
+            echo_lines(presentation.terminal_lines(found, say))
+        else:
+            echo_lines(screen_lines(found, say, width=terminal_width()))
     if folder is not None:
         echo_to_stderr(say("{file} is written.", file=folder))
     if stopped:

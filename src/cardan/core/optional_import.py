@@ -1,4 +1,4 @@
-"""What only reports need: libraries of the extra `report`, imported where they are used."""
+"""Libraries of the extras, imported where they are used."""
 
 from importlib import import_module
 from typing import Any
@@ -6,8 +6,8 @@ from typing import Any
 from cardan.core.errors import MissingDependencyError
 
 
-def import_optional(module: str) -> Any:
-    """Return a library of the extra `report`.
+def import_optional(module: str, *, extra: str = "report", purpose: str = "this report") -> Any:
+    """Return a library of an extra of the package, needed for a purpose.
 
     Raises
     ------
@@ -19,5 +19,5 @@ def import_optional(module: str) -> Any:
     except ModuleNotFoundError as error:
         if error.name != module.partition(".")[0]:
             raise
-        msg = f"this report needs {module}: install it with  pip install 'cardan[report]'"
+        msg = f"{purpose} needs {module}: install it with  pip install 'cardan[{extra}]'"
         raise MissingDependencyError(msg) from None

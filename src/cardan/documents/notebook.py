@@ -3,18 +3,28 @@
 One rule keeps it safe: what is not `Markup` is text, and text is escaped.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from html import escape
+from pathlib import Path
 
 from cardan.approval.approval import Approval
+from cardan.checks.line_response import LineResponse
+from cardan.core.errors import CardanError
+from cardan.core.lazy_dataclass import dataclass
 from cardan.documents.approval_report import verdict_report_blocks
-from cardan.documents.line_drawing import side_or_top_view_drawing
+from cardan.documents.line_drawing import (
+    joint_plane_drawing,
+    phasor_drawing,
+    side_or_top_view_drawing,
+    yoke_phasing_drawing,
+)
 from cardan.render.blocks import Block, BulletList, Chapter, Figures, Table, Text
 from cardan.render.fonts import truncate
 from cardan.render.html import VERDICT_SYMBOLS
-from cardan.render.i18n import Translator
+from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import approval_counts_text
-from cardan.render.svg import VERDICT_COLOURS, AttributeValue, svg_element
+from cardan.render.svg import VERDICT_COLOURS, AttributeValue, Figure, svg_element
+from cardan.schema.atomic_write import write_atomically
 
 PAPER_STYLE = "background:#fff"
 """What figures and grades stand on: their colours are those of print, the notebook may be dark."""
@@ -24,6 +34,15 @@ VERDICT_STYLES = {
 }
 MAX_TITLE_CHARACTERS = 200
 """Characters of a title that have room."""
+
+LINE_VIEWS: dict[str, Callable[[LineResponse], Figure]] = {
+    "side": lambda r: side_or_top_view_drawing(r, ENGLISH, name="side"),
+    "top": lambda r: side_or_top_view_drawing(r, ENGLISH, name="top"),
+    "yokes": lambda r: yoke_phasing_drawing(r, ENGLISH),
+    "planes": lambda r: joint_plane_drawing(r, ENGLISH),
+    "phasors": lambda r: phasor_drawing(r, ENGLISH),
+}
+"""Drawings of a line by name, as reports have them."""
 
 
 class Markup(str):
@@ -73,6 +92,36 @@ def chapters_html(of: Iterable[Chapter]) -> Markup:
 
 def _figure(svg: str) -> Markup:
     return html_element("div", Markup(svg), style=PAPER_STYLE)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawing(Figure):
+    """A drawing that shows itself in a notebook and saves itself as SVG."""
+
+    def __repr__(self) -> str:
+        return f'{self.title} ({len(self.svg) // 1000 + 1} kB of SVG; .save("view.svg"))'
+
+    def _repr_html_(self) -> str:
+        return _figure(self.svg)
+
+    def save(self, path: str | Path, *, replace: bool = False) -> Path:
+        """Write the drawing into an SVG file and return its path.
+
+        Raises
+        ------
+        CardanError
+            If the name does not end in .svg, or the file exists and `replace` is False.
+        """
+        if Path(path).suffix.lower() != ".svg":
+            msg = f"a drawing ends in .svg; got {Path(path).name}"
+            raise CardanError(msg)
+        return write_atomically(path, self.svg, replace=replace)
+
+
+def line_drawing(of: LineResponse, view: str) -> Drawing:
+    """Return a view of a line: side, top, yokes, planes or phasors."""
+    found = LINE_VIEWS[view](of)
+    return Drawing(title=found.title, svg=found.svg, alt=found.alt, note=found.note)
 
 
 def preformatted_html(said: str) -> Markup:

@@ -377,6 +377,11 @@ class Application:
     """Where everything stands in the file, by the key its errors print:
     `driveline.shafts[2].tube.wall_mm`."""
 
+    def __repr__(self) -> str:
+        lines, states = (f"{name}={len(of)}" for name, of in
+                         (("lines", self.lines), ("states", self.states)))  # fmt: skip
+        return f"Application({self.title!r}, {lines}, {states}, profile={self.profile!r})"
+
     def is_given(self, key: str) -> bool:
         """Return whether its file gives a key, `tyre.friction`; so is what was made otherwise."""
         return self.written is None or key in self.source_locations

@@ -7,10 +7,10 @@ command's option takes it.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from cardan.core.errors import DesignError
-from cardan.core.units import deg
+from cardan.core.units import UNITS, deg
 
 _COUNT = r"(\d+(?:\.\d*)?|\.\d+)"
 _DASHES = "\u2212\u2013\u2014"
@@ -30,7 +30,7 @@ _FRACTION = r"([-+\u2212]?)\s*(?:(\d+)[\s-]+)?(\d+)\s*[/\u2044]\s*(\d+)"
 _VULGAR = "¼½¾⅓⅔⅛⅜⅝⅞"
 _QUARTERS = dict(zip(_VULGAR, ("1/4", "1/2", "3/4", "1/3", "2/3", "1/8", "3/8", "5/8", "7/8"),
                      strict=True))  # fmt: skip
-_MEASURE = r"\s*([-+\u2212]?[\d.,\s/⁄¼½¾⅓⅔⅛⅜⅝⅞]*?)\s*([^\d\s.,][^\d]*)?\s*"
+_MEASURE = r"\s*([-+\u2212]?[\d.,\s/⁄¼½¾⅓⅔⅛⅜⅝⅞]*?)\s*([^\d\s.,][^\d]*(?:/s\^?2)?)?\s*"
 _THOUSANDS = r"[-+]?\d{1,3}(,\d{3})+"
 """Digits in threes: thousands to some, decimals to others."""
 _NUMBER = r"(?a)[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?"
@@ -125,7 +125,7 @@ def parse_quantity(text: str, units: Mapping[str, float]) -> float:
         return angle * deg
     found = re.fullmatch(_MEASURE, text)
     first = next(iter(units))
-    example = f"like 4.5{first}" if "deg" in units else f"like 100{first}"
+    example = f"like 4.5{first}" if "deg" in units else f"like 100{first.replace('_', '/')}"
     if found is None or not found[1].strip():
         msg = f"must be a number with its unit, {example} (got {text})"
         raise DesignError(msg)
@@ -145,6 +145,23 @@ def parse_quantity(text: str, units: Mapping[str, float]) -> float:
     return float(said) * units[unit]
 
 
+def argument_value(name: str, value: str | float, units: Sequence[str]) -> float:
+    """Return an argument of a function as an SI number; a number alone is in the first unit.
+
+    Raises
+    ------
+    DesignError
+        If it is no number, or in another unit; the message names the argument.
+    """
+    if not isinstance(value, str):
+        return float(value) * UNITS[units[0]]
+    try:
+        return parse_quantity(value, {unit: UNITS[unit] for unit in units})
+    except DesignError as error:
+        msg = f"{name}: {error}"
+        raise DesignError(msg) from error
+
+
 def _unit(written: str) -> str:
     """Return a unit by the name that keys end in."""
     plain = written.strip().replace("/", "_").replace("·", "").replace(".", "").replace("-", "")
@@ -152,5 +169,5 @@ def _unit(written: str) -> str:
         "°": "deg", "º": "deg", "degrees": "deg", "degree": "deg", "grad": "deg", "graus": "deg",
         "gradi": "deg", "%": "percent", "rad_s": "rad_s", "r_min": "rpm", "1_min": "rpm",
         "min⁻¹": "rpm", "giri_min": "rpm", "N m": "Nm", "kN m": "kNm", '"': "in", "inch": "in",
-        "lbf ft": "lbft", "lb ft": "lbft", "lbfft": "lbft",
+        "rad_s²": "rad_s2", "rad_s^2": "rad_s2", "lbf ft": "lbft", "lb ft": "lbft", "lbfft": "lbft",
     }.get(plain, plain)  # fmt: skip

@@ -1,6 +1,7 @@
 """What somebody meets who does not know the program: help, slips of the pen, versions, language."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -11,6 +12,7 @@ from click.testing import CliRunner
 from repository import EXAMPLES, ROOT
 
 from cardan.cli import cli
+from cardan.cli.life import OPTION_GROUPS, life
 from cardan.cli.main import COMMAND_NAMES
 
 VAN = str(EXAMPLES / "van.yaml")
@@ -101,3 +103,16 @@ def test_completion_script_completes_commands():
         check=False,
     )  # fmt: skip
     assert [row.split(",")[1] for row in done.stdout.split()] == ["stability", "study"]
+
+
+def test_help_of_life_lists_each_option_once_in_a_group_by_purpose():
+    shown = CliRunner().invoke(cli, ["life", "--help"]).stdout
+    titles = re.findall(r"^([A-Z][^:\n]*):$", shown, re.MULTILINE)
+    assert titles == list(OPTION_GROUPS)
+    names = {p.name for p in life.params}
+    assert set(OPTION_GROUPS.values()) <= names
+    listed_options = shown.partition("\nGauges:\n")[2]
+    flags = [max(p.opts, key=len) for p in life.params if p.name != "recording"]
+    for flag in (*flags, "--help"):
+        listed = re.findall(rf"^  (?:-\w, )?{flag}\b(?!-)", listed_options, re.MULTILINE)
+        assert len(listed) == 1, flag

@@ -24,6 +24,9 @@ PIN_IN_PLANE: Radian = 0.0
 PIN_NORMAL_TO_PLANE: Radian = pi / 2
 """θ = 0 where the driving pin axis is normal to the plane of the two shafts."""
 
+BISECTION_STEPS = 60
+"""Halvings of the range of joint angles; what is left of it is below 2e-18 rad."""
+
 
 def angle_lead(theta: ArrayLike, *, beta: ArrayLike, pin: Radian = PIN_IN_PLANE) -> FloatArray:
     r"""Output angle less input angle of one Hooke joint.
@@ -200,6 +203,21 @@ def max_acceleration(beta: ArrayLike) -> FloatArray:
     `MAX_ACCELERATION_FORMULAS` has the approximations beside it. Source: ITIS Omar, eq. 4 and 5.
     """
     return _acceleration_at(beta, _peak_cos)
+
+
+def angle_for_max_acceleration(acceleration: ArrayLike) -> FloatArray:
+    """Joint angle (...) rad whose `max_acceleration` is `acceleration` over ω₁², (...) 1.
+
+    `max_acceleration` rises with the angle from 0 without bound, so bisection finds its inverse
+    to rounding. `equivalent_angle.angle_for_acceleration` is the approximation ω² β².
+    """
+    xp, wanted = as_float_arrays(acceleration)
+    low, high = 0 * wanted, 0 * wanted + pi / 2 * (1 - 1e-12)
+    for _ in range(BISECTION_STEPS):
+        middle = (low + high) / 2
+        less = max_acceleration(middle) < wanted
+        low, high = xp.where(less, middle, low), xp.where(less, high, middle)
+    return low
 
 
 def max_acceleration_angles(beta: ArrayLike, *, pin: Radian = PIN_IN_PLANE) -> FloatArray:

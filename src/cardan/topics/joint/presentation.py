@@ -1,6 +1,6 @@
-"""What is told of one joint by itself: its numbers, its turn, its curves."""
+"""One joint by itself as tables, figures and JSON: its numbers, its turn, its curves."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,12 +9,10 @@ from cardan import __version__
 from cardan.core.arrays import FloatArray
 from cardan.core.units import N, Nm, deg, mm, rpm
 from cardan.physics.kinematics.hooke_joint import PIN_IN_PLANE
-from cardan.render.blocks import Chapter, Figures, ReportDocument, Table, Text
+from cardan.render.blocks import Table
 from cardan.render.chart import DataSeries, line_chart
-from cardan.render.i18n import ENGLISH, Translator
+from cardan.render.i18n import Translator
 from cardan.render.svg import Figure
-from cardan.render.terminal import report_table_lines
-from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines
 from cardan.topics.joint.single_joint import SingleJoint
 
 CURVE_POINT_COUNT = 361
@@ -29,36 +27,6 @@ ACCELERATION_APPROXIMATION_TITLES = {
     "omar_eq6": "ITIS Omar, eq. 6", "at_45_deg": "taken at 45 deg", "small_angle": "ω² β²",
 }  # fmt: skip
 """How the field's approximations of the acceleration are called in print."""
-
-
-def text_lines(
-    of: SingleJoint, say: Translator = ENGLISH, *, width: int = DEFAULT_WIDTH_COLUMNS
-) -> Iterator[str]:
-    """Yield a joint line by line of text."""
-    yield from fold_lines([report_title(of, say), zero_angle_sentence(of, say)], width)
-    yield from report_table_lines(results_table(of, say), width)
-    yield from report_table_lines(half_turn_table(of, say), width)
-
-
-def joint_report(of: SingleJoint, say: Translator) -> ReportDocument:
-    """Return a joint as a report."""
-    say = say.with_minus_sign
-    return ReportDocument(
-        language=say.code,
-        title=report_title(of, say),
-        subtitle=say("One universal joint by itself"),
-        grade="",
-        verdict="",
-        facts=((say("Made with"), f"cardan {__version__}"),),
-        chapters=(
-            Chapter(
-                title=say("What it does"),
-                blocks=(results_table(of, say), Text(paragraphs=(zero_angle_sentence(of, say),))),
-            ),
-            Chapter(title=say("Round the turn"), blocks=(Figures(figures=figures(of, say)),
-                                                         half_turn_table(of, say))),
-        ),
-    )  # fmt: skip
 
 
 def report_title(of: SingleJoint, say: Translator) -> str:
@@ -88,39 +56,75 @@ def results_table(of: SingleJoint, say: Translator) -> Table:
 
 def _numbers(of: SingleJoint, say: Translator) -> Iterator[tuple[str, ...]]:
     lead_at, peak_at = (
-        _angles(at, say) for at in (of.max_lead_input_angles, of.max_acceleration_input_angles)
+        half_turn_angles_text(at, say)
+        for at in (of.max_lead_input_angles, of.max_acceleration_input_angles)
     )
     slowest, fastest = (rate / rpm for rate in of.driven_speed_range)
     yield (
         say("Angle ahead or behind, largest"),
-        f"±{_figures(of.max_lead_angle / RADIANS_PER_ARCMINUTE, say)}",
+        f"±{significant_digits_text(of.max_lead_angle / RADIANS_PER_ARCMINUTE, say)}",
         "min",
         lead_at,
     )
-    yield say("Speed, least"), _figures(slowest, say, 5), "rpm", ""
-    yield say("Speed, largest"), _figures(fastest, say, 5), "rpm", ""
-    yield say("Irregularity"), _figures(100 * of.irregularity, say), "%", ""
-    largest = f"±{_figures(of.max_acceleration, say)}"
+    yield say("Speed, least"), significant_digits_text(slowest, say, 5), "rpm", ""
+    yield say("Speed, largest"), significant_digits_text(fastest, say, 5), "rpm", ""
+    yield say("Irregularity"), significant_digits_text(100 * of.irregularity, say), "%", ""
+    largest = f"±{significant_digits_text(of.max_acceleration, say)}"
     yield say("Acceleration, largest"), largest, "rad/s²", peak_at
     for name, known in ACCELERATION_APPROXIMATION_TITLES.items():
         value = of.max_acceleration_by_method[name]
-        told = say("none") if value is None else _figures(value, say)
+        told = say("none") if value is None else significant_digits_text(value, say)
         yield f"  ({say.translate_if_known(known)})", told, "rad/s²", ""
-    yield say("Swing of the cross in each yoke"), f"±{_figures(of.angle / deg, say)}", "deg", ""
+    yield (
+        say("Swing of the cross in each yoke"),
+        f"±{significant_digits_text(of.angle / deg, say)}",
+        "deg",
+        "",
+    )
     driving, driven = of.max_cross_rates
-    yield say("Rate of the cross in the driving yoke"), f"±{_figures(driving, say)}", "rad/s", ""
-    yield say("Rate of the cross in the driven yoke"), f"±{_figures(driven, say)}", "rad/s", ""
+    yield (
+        say("Rate of the cross in the driving yoke"),
+        f"±{significant_digits_text(driving, say)}",
+        "rad/s",
+        "",
+    )
+    yield (
+        say("Rate of the cross in the driven yoke"),
+        f"±{significant_digits_text(driven, say)}",
+        "rad/s",
+        "",
+    )
     if of.driven_torque_range and of.max_secondary_couples:
         low, high = of.driven_torque_range
-        yield say("Torque in the driven shaft, least"), _figures(low, say, 5), "N·m", ""
-        yield say("Torque in the driven shaft, largest"), _figures(high, say, 5), "N·m", ""
+        yield (
+            say("Torque in the driven shaft, least"),
+            significant_digits_text(low, say, 5),
+            "N·m",
+            "",
+        )
+        yield (
+            say("Torque in the driven shaft, largest"),
+            significant_digits_text(high, say, 5),
+            "N·m",
+            "",
+        )
         first, second = of.max_secondary_couples
-        yield say("Secondary couple on the driving shaft"), _figures(first, say), "N·m", ""
-        yield say("Secondary couple on the driven shaft"), _figures(second, say), "N·m", ""
+        yield (
+            say("Secondary couple on the driving shaft"),
+            significant_digits_text(first, say),
+            "N·m",
+            "",
+        )
+        yield (
+            say("Secondary couple on the driven shaft"),
+            significant_digits_text(second, say),
+            "N·m",
+            "",
+        )
     if of.max_journal_force is not None:
         yield (
             say("Force on a journal and its fork arm"),
-            _figures(of.max_journal_force, say),
+            significant_digits_text(of.max_journal_force, say),
             "N",
             "",
         )
@@ -128,8 +132,7 @@ def _numbers(of: SingleJoint, say: Translator) -> Iterator[tuple[str, ...]]:
 
 def half_turn_table(of: SingleJoint, say: Translator) -> Table:
     """Return a joint over half a turn; the other half is the same."""
-    at = np.arange(0, 181, TABLE_STEP_DEG)
-    c = of.curves_over_turn(np.asarray(at * deg, dtype=np.float64))
+    c = of.curves_over_turn(half_turn_input_angles())
     columns: list[tuple[str, FloatArray]] = [
         (say("ahead [min]"), c.lead_angle / RADIANS_PER_ARCMINUTE),
         (say("speed [rpm]"), c.driven_speed / rpm),
@@ -139,13 +142,24 @@ def half_turn_table(of: SingleJoint, say: Translator) -> Table:
     ]
     if c.driven_torque is not None:
         columns.append((say("torque [N·m]"), c.driven_torque))
+    return half_turn_columns_table(columns, say)
+
+
+def half_turn_input_angles() -> FloatArray:
+    """Return the input angles of the rows of a table over half a turn, rad."""
+    return np.asarray(np.arange(0, 181, TABLE_STEP_DEG) * deg, dtype=np.float64)
+
+
+def half_turn_columns_table(columns: Sequence[tuple[str, FloatArray]], say: Translator) -> Table:
+    """Return named columns over half a turn; the other half is the same."""
+    at = np.arange(0, 181, TABLE_STEP_DEG)
     return Table(
         caption=say("Round half a turn; the other half repeats it"),
         head=("θ [deg]", *(name for name, _ in columns)),
         rows=tuple(
             (
                 say.compact_number(int(a)),
-                *(_digits(values[k], values, say) for _, values in columns),
+                *(column_number_text(values[k], values, say) for _, values in columns),
             )
             for k, a in enumerate(at)
         ),
@@ -194,6 +208,15 @@ def figures(of: SingleJoint, say: Translator) -> tuple[Figure, ...]:
         drawn.append((say("Secondary couples"), "N·m", (
             (say("on the driving shaft"), c.secondary_couples[0]),
             (say("on the driven shaft"), c.secondary_couples[1]))))  # fmt: skip
+    return curve_charts(theta, drawn, say)
+
+
+def curve_charts(
+    theta: FloatArray,
+    drawn: Sequence[tuple[str, str, tuple[tuple[str, FloatArray], ...]]],
+    say: Translator,
+) -> tuple[Figure, ...]:
+    """Return a chart for each title, unit and named curves, over input angles (n,) deg."""
     return tuple(
         line_chart(
             say,
@@ -275,12 +298,12 @@ def json_document(of: SingleJoint) -> dict[str, Any]:
     return found
 
 
-def _angles(of: FloatArray, say: Translator) -> str:
+def half_turn_angles_text(of: FloatArray, say: Translator) -> str:
     """Return the angles of half a turn; the other half repeats it."""
     return "; ".join(say.compact_number(round(float(a), 2)) for a in of[:2] / deg)
 
 
-def _figures(value: float, say: Translator, digits: int = 4) -> str:
+def significant_digits_text(value: float, say: Translator, digits: int = 4) -> str:
     """Return a number with some figures, those behind the point kept."""
     if value == 0:
         return "0"
@@ -288,7 +311,7 @@ def _figures(value: float, say: Translator, digits: int = 4) -> str:
     return say.with_decimal_sign(f"{value:.{max(0, digits - 1 - size)}f}")
 
 
-def _digits(value: float, of: FloatArray, say: Translator) -> str:
+def column_number_text(value: float, of: FloatArray, say: Translator) -> str:
     """Return a value of a column, all with the same decimals; what is left of nothing is 0."""
     span = float(np.ptp(of)) or abs(float(of[0])) or 1.0
     decimals = max(0, 3 - int(np.floor(np.log10(span))))

@@ -12,6 +12,16 @@ from cardan.physics.kinematics.hooke_joint import PIN_IN_PLANE, CrossMotion
 from cardan.physics.strength.torsional_strength import cross_journal_force
 
 
+def require_joint_angle(angle: Radian) -> None:
+    """Raise a DesignError if a joint angle is negative or reaches π/2."""
+    if not 0 <= angle < np.pi / 2:
+        msg = (
+            f"the angle of a joint must be at least 0 and below 90 deg, where it locks; got "
+            f"{angle / deg:g} deg"
+        )
+        raise DesignError(msg)
+
+
 @dataclass(frozen=True, kw_only=True)
 class SingleJoint:
     """A Hooke joint at an angle, its driving shaft turning uniformly.
@@ -37,12 +47,7 @@ class SingleJoint:
     pin: Radian = PIN_IN_PLANE
 
     def __post_init__(self) -> None:
-        if not 0 <= self.angle < np.pi / 2:
-            msg = (
-                f"the angle of a joint must be at least 0 and below 90 deg, where it locks; got "
-                f"{self.angle / deg:g} deg"
-            )
-            raise DesignError(msg)
+        require_joint_angle(self.angle)
         for name in ("speed", "torque", "across"):
             value = getattr(self, name)
             if value is not None and not 0 < value < np.inf:

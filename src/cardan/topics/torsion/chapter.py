@@ -8,13 +8,13 @@ from cardan.approval.study import StudyResult
 from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.verdict import Check, worst_first_key
 from cardan.render.blocks import Block, Chapter, Figures, Table, Text
+from cardan.render.check_screen import worst_check_of_each_part
 from cardan.render.i18n import Translator
 from cardan.render.phrases import check_counts_text, limit_sense_symbol, value_and_bound
 from cardan.topics.torsion.presentation import (
     assumption_lines,
     resonance_margins,
     result_tables,
-    worst_check_of_each_part,
 )
 from cardan.topics.torsion.presentation_figures import (
     campbell_figure,

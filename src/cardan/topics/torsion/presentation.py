@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 from math import pi
 from typing import Any, TypeAlias
 
@@ -15,7 +14,7 @@ from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.arrays import FloatArray
 from cardan.core.labels import EvaluationCondition, Part
 from cardan.core.units import UNITS, rpm
-from cardan.core.verdict import CHECK_GRADES, Check, worst_first_key
+from cardan.core.verdict import CHECK_GRADES, Check
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import value_and_bound
 from cardan.render.terminal import BOLD_CODE, RESET_CODE, VERDICT_COLOUR_CODES, summary_lines
@@ -335,13 +334,3 @@ def _most(shifts: Sequence[ModeSensitivity], of: VibrationResult) -> list[ModeSe
         return float(np.abs(shift.frequencies[:, :2] / base - 1).max())
 
     return sorted(shifts, key=far, reverse=True)
-
-
-def worst_check_of_each_part(checks: Iterable[Check]) -> Iterator[Check]:
-    """Yield the worst check of each part."""
-    for _, same in groupby(sorted(checks, key=_part), key=_part):
-        yield min(same, key=worst_first_key)
-
-
-def _part(c: Check) -> tuple[str, str, str]:
-    return c.quantity, c.line, str(c.part)

@@ -1,37 +1,26 @@
 """First screen of `cardan stability`: verdict, criteria, modes, starts, assumptions, next."""
 
-from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from math import pi
 
 import numpy as np
 
 from cardan.approval.approval import Approval
 from cardan.approval.study import VIBRATION_STUDY_NAME
-from cardan.core.labels import WHOLE_LINE
 from cardan.core.units import rpm
-from cardan.core.verdict import CHECK_GRADES, Check, worst_first_key
-from cardan.render.check_texts import limit_text, uncapitalised, value_text
+from cardan.render.check_screen import MAX_LIST_LINES, criteria_count_text, criteria_table_lines
 from cardan.render.i18n import ENGLISH, Translator
-from cardan.render.phrases import limit_grouping_key, unevaluated_limit_lines
-from cardan.render.screen_layout import (
-    GRADE_MARKS,
-    capped_item_lines,
-    capped_list_lines,
-    title_lines,
-)
+from cardan.render.phrases import unevaluated_limit_lines
+from cardan.render.screen_layout import capped_item_lines, capped_list_lines, title_lines
 from cardan.render.terminal import bold
-from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, table_lines
-from cardan.topics.torsion.presentation import assumption_lines, worst_check_of_each_part
+from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines
+from cardan.topics.torsion.presentation import assumption_lines
 from cardan.topics.torsion.vibration_checks import condition_of_launch
 from cardan.topics.torsion.vibration_result import VibrationResult, heaviest_driving_state_index
 
 MAX_LINES = 32
 """Lines of the screen at 80 columns; the blocks below keep to it together."""
 
-MAX_TABLE_LINES = 14
-MIN_ROWS = 5
-MAX_LIST_LINES = 3
 SHOWN_MODES = 4
 
 _VIBRATION_ALONE = "Of vibration alone: cardan check holds the line against all its limits."
@@ -50,8 +39,8 @@ def screen_lines(
     above = [
         *title_lines(of, say, width),
         *fold_lines([_read_text(found, of, say), say(_VIBRATION_ALONE)], width),
-        *fold_lines([_count_text(of.checks, say)], width),
-        *_table_lines(of.checks, say, width),
+        *fold_lines([criteria_count_text(of.checks, say)], width),
+        *criteria_table_lines(of.checks, say, width),
         *fold_lines(_mode_texts(found, say), width),
         *fold_lines(_launch_texts(found, say), width),
     ]
@@ -77,57 +66,6 @@ def _read_text(found: VibrationResult, of: Approval, say: Translator) -> str:
     )
     profile = say("criteria: {profile}", profile=of.application.profile)
     return say("Read: {what}", what=f"{gears}; {profile}")
-
-
-def _count_text(checks: Sequence[Check], say: Translator) -> str:
-    """Return how many criteria have each grade."""
-    worst = dict.fromkeys(map(limit_grouping_key, checks), 0)
-    for c in checks:
-        key = limit_grouping_key(c)
-        worst[key] = max(worst[key], CHECK_GRADES.index(c.grade))
-    number = Counter(CHECK_GRADES[k] for k in worst.values())
-    grades = say.join(
-        say.count("{count} exceeded", "{count} exceeded", number["fail"]),
-        say.count("{count} beyond recommended", "{count} beyond recommended", number["warn"]),
-        say.count("{count} met", "{count} met", number["pass"]),
-    )
-    return f"{say.count('{count} criterion', '{count} criteria', len(worst))}: {grades}"
-
-
-def _table_lines(checks: Sequence[Check], say: Translator, width: int) -> list[str]:
-    """Return a row for each criterion that is not met, and some of those nearest to their limits.
-
-    Further parts that do not meet a criterion stand below the table.
-    """
-    by_part = sorted(worst_check_of_each_part(checks), key=worst_first_key)
-    rows = list({limit_grouping_key(c): c for c in reversed(by_part)}.values())
-    rows.sort(key=worst_first_key)
-    count = max(sum(c.grade != "pass" for c in rows), MIN_ROWS)
-    head = ("", *map(say, ("criterion", "value", "limit", "worst case")))
-    cells = [
-        (GRADE_MARKS[c.grade], _name(c, say), value_text(c, say), limit_text(c, say),
-         say.occasion(c.when))
-        for c in rows
-    ]  # fmt: skip
-    table: list[str] = []
-    for shown in range(min(len(rows), count), 0, -1):
-        table = list(table_lines(head, cells[:shown], width, right=(2,)))
-        if len(table) <= MAX_TABLE_LINES or shown == 1:
-            count = shown
-            break
-    others = [
-        f"{_name(c, say)}: {value_text(c, say)} ({say.occasion(c.when)})"
-        for c in by_part
-        if c.grade != "pass" and c not in rows[:count]
-    ]
-    also = capped_list_lines(say("Not met too:"), others, MAX_LIST_LINES, "--all", say, width)
-    return [*map(bold, table[:1]), *table[1:], *also]
-
-
-def _name(c: Check, say: Translator) -> str:
-    """Return the name of a criterion with its part."""
-    part = "" if c.part == WHOLE_LINE else say.part(c.part)
-    return say.join(uncapitalised(say.name(c.quantity)), part)
 
 
 def _mode_texts(of: VibrationResult, say: Translator) -> Iterator[str]:

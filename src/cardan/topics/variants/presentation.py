@@ -79,6 +79,28 @@ def summary_line(of: VariantStudyResult, say: Translator = ENGLISH) -> str:
 
 def remark_lines(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[str]:
     """Yield what else is to be said of the whole."""
+    yield from _changed_file_sentences(of, say)
+    yield from yield_sentences(of, say)
+    yield from doubt_sentences(of, say)
+    yield from _stopped_sentence(of, say)
+
+
+def stopped_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[str]:
+    """Yield that the study stopped early, or that its files changed while it ran."""
+    yield from _stopped_sentence(of, say)
+    yield from _changed_file_sentences(of, say)
+
+
+def _stopped_sentence(of: VariantStudyResult, say: Translator) -> Iterator[str]:
+    if of.count < of.requested_count:
+        yield say(
+            "Stopped: results of {count} of {asked} variants.",
+            count=of.count,
+            asked=of.requested_count,
+        )
+
+
+def _changed_file_sentences(of: VariantStudyResult, say: Translator) -> Iterator[str]:
     for file in of.changed_files:
         yield say(
             "Warning: {file} changed while the study ran (SHA-256 {before}, then {after}). The "
@@ -86,6 +108,10 @@ def remark_lines(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[
             file=file.name, before=file.digest_before[:16],
             after=(file.digest_after or "-")[:16],
         )  # fmt: skip
+
+
+def yield_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[str]:
+    """Yield the share that may be built with its interval, and the surrogate prediction."""
     low, high = of.interval()
     if of.variants.ask.yield_:
         yield say(
@@ -100,6 +126,10 @@ def remark_lines(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[
         yield _foretold(of, say)
     elif of.variants.ask.foretold and of.count == of.requested_count:
         yield say("Too few variants were evaluated for a surrogate prediction.")
+
+
+def doubt_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[str]:
+    """Yield what limits the trust in the results, and how they were obtained."""
     if of.sampling_plan.method == "even":
         yield say(
             "The points are spread evenly, so the interval is wider than need be; give "
@@ -143,12 +173,6 @@ def remark_lines(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[
             "{bred} of the {count} variants of the front were bred from the best (NSGA-II).",
             bred=int((of.statistics["pareto"]["place"] >= of.requested_count).sum()),
             count=len(of.statistics["pareto"]["place"]),
-        )
-    if of.count < of.requested_count:
-        yield say(
-            "Stopped: results of {count} of {asked} variants.",
-            count=of.count,
-            asked=of.requested_count,
         )
     refused = int(of.statistics["counts"]["refused"])
     if refused:
@@ -246,7 +270,7 @@ def _varied(of: VariantStudyResult, say: Translator) -> Table:
         (
             f"{f.input + 1} {drawn.name_of(f)}" if numbered else drawn.name_of(f),
             say.compact_number(drawn.nominal[f.input], 5),
-            _spread(f, say),
+            spread_text(f, say),
         )
         for f in (*drawn.grids, *drawn.factors)
     ]
@@ -262,7 +286,8 @@ def _numbered(of: VariantStudyResult) -> bool:
     return len(of.sampling_plan.names) > MAX_INPUT_COLUMNS_HEADED_BY_NAME
 
 
-def _spread(of: SampledVariable, say: Translator) -> str:
+def spread_text(of: SampledVariable, say: Translator) -> str:
+    """Return how an input varies."""
     values = of.spread.values
     match of.spread.kind:
         case "range":
@@ -300,7 +325,8 @@ def limit_name(limit: Limit, say: Translator) -> str:
     return f"{say.name(q.key)} {sense} {shown} {q.unit_symbol}".rstrip()
 
 
-def _named(of: VariantStudyResult, k: int, say: Translator) -> str:
+def limit_label(of: VariantStudyResult, k: int, say: Translator) -> str:
+    """Return the name of a limit with its bound, and its line if there are several."""
     line, limit = of.limits[k]
     several = len(of.installed.application.lines) > 1
     return say.join(line if several else "", limit_name(limit, say))
@@ -318,7 +344,7 @@ def _limits(of: VariantStudyResult, say: Translator) -> Table:
     def row(k: int) -> tuple[str, ...]:
         factor = QUANTITIES[of.limits[k][1].quantity].si_factor
         return (
-            _named(of, k, say),
+            limit_label(of, k, say),
             *(percent_text(grades[k, g], say) for g in range(3)),
             percent_text(counts["alone"][k] / of.independent_count, say),
             say.margin_percent(float(values["least"][number + k])),
@@ -352,11 +378,11 @@ def _tighter(of: VariantStudyResult, say: Translator) -> Table:
                 -(passes[t, 0] + 1e-6 * gains[best]),
                 (
                     of.sampling_plan.name_of(factor),
-                    _spread(factor, say),
+                    spread_text(factor, say),
                     percent_text(float(passes[t, 0]), say),
                     say.with_decimal_sign(f"± {200 * error[t, 0]:.1f} %"),
                     say.with_decimal_sign(f"{100 * (passes[t, 0] - of.yield_):+.1f} %"),
-                    f"{_named(of, best, say)} "
+                    f"{limit_label(of, best, say)} "
                     f"{say.with_decimal_sign(f'{100 * gains[best]:+.1f} %')}"
                     if helps
                     else "-",
@@ -436,16 +462,16 @@ def _with_errors(value: float, error: float, say: Translator) -> str:
     return say.with_decimal_sign(f"{round(value, 2) + 0.0:.2f} ± {2 * error:.2f}")  # no "-0.00"
 
 
+def once_in_text(share: float, say: Translator) -> str:
+    """Return a small share as one in so many; "-" if it is zero."""
+    if share <= 0:
+        return "-"
+    return say("1 in {count}", count=say.compact_number(float(f"{1 / share:.2g}")))
+
+
 def _rare(of: VariantStudyResult, say: Translator) -> Table:
     drawn = of.sampling_plan
     own = [f for f in drawn.factors if f.tolerance]
-
-    def once(share_: float) -> str:
-        return (
-            say("1 in {count}", count=say.compact_number(float(f"{1 / share_:.2g}")))
-            if share_ > 0
-            else "-"
-        )
 
     rows: list[tuple[str, ...]] = []
     for one in sorted(of.rare_failures, key=lambda r: -r.failure_probability):
@@ -457,9 +483,9 @@ def _rare(of: VariantStudyResult, say: Translator) -> Table:
                 limit_name(one.limit, say),
                 str(len(one.failure_modes)),
                 say.with_decimal_sign(f"{first.beta:.2f}"),
-                "-" if first.sampled else once(first.failure_probability),
-                once(second.failure_probability) if second else "-",
-                once(sampled.failure_probability)
+                "-" if first.sampled else once_in_text(first.failure_probability, say),
+                once_in_text(second.failure_probability, say) if second else "-",
+                once_in_text(sampled.failure_probability, say)
                 + (
                     say.with_decimal_sign(
                         f" ± {200 * sampled.standard_error / sampled.failure_probability:.0f} %"
@@ -485,7 +511,8 @@ def _rare(of: VariantStudyResult, say: Translator) -> Table:
     )  # fmt: skip
 
 
-def _decides(of: VariantStudyResult, k: int, say: Translator) -> str:
+def deciding_limit_name(of: VariantStudyResult, k: int, say: Translator) -> str:
+    """Return the name of the limit that decides a variant; "-" if none was evaluated."""
     return say.name(of.limits[k][1].quantity) if k != UNEVALUATED_GRADE_CODE else "-"
 
 
@@ -495,7 +522,7 @@ def _worst(of: VariantStudyResult, say: Translator) -> Table:
     rows = [
         (say("verdict"), *(say(VERDICTS[int(state["verdict"][k])]) for k in many)),
         (say("smallest margin"), *(say.margin_percent(float(state["margin"][k])) for k in many)),
-        (say("limit"), *(_decides(of, int(state["limit"][k]), say) for k in many)),
+        (say("limit"), *(deciding_limit_name(of, int(state["limit"][k]), say) for k in many)),
         *(
             (name, *(say.compact_number(float(state["inputs"][k, i]), 5) for k in many))
             for i, name in enumerate(of.sampling_plan.names)

@@ -39,6 +39,7 @@ from cardan.topics.bracket.phrases import (
 )
 from cardan.topics.bracket.presentation import terminal_lines, verdict_lines
 from cardan.topics.bracket.presentation_values import most_damaging_results
+from cardan.topics.bracket.screen_presentation import MAX_LINES, screen_lines
 from cardan.topics.bracket.shape_result import (
     BoltSlipUtilisation,
     CaseResult,
@@ -155,6 +156,43 @@ def test_life_output_fits_terminal_width(code, width):
     assert len(lines) > 60
     assert [line for line in lines if len(line) > width] == []
     assert max(map(len, lines)) > width - 12
+
+
+def screen(code: str, *variants: str) -> list[str]:
+    return without_colours(screen_lines(approved(*variants), Translator(code))).splitlines()
+
+
+@pytest.mark.parametrize("variants", [("original",), ("original", "reinforced")])
+def test_bracket_screen_stays_one_screen_in_every_language(variants):
+    english = screen("en", *variants)
+    for code in LANGUAGE_CODES:
+        lines = screen(code, *variants)
+        assert len(lines) <= MAX_LINES == 32
+        assert max(map(len, lines)) <= 80
+        if code != "en":
+            words = {line for line in english if re.search("[a-z]{4} [a-z]", line)}
+            assert {w for w in words & set(lines) if "--with" not in w} == set()
+
+
+def test_bracket_screen_has_verdict_stress_life_and_gravest_doubt_first():
+    of = approved("original", "reinforced")
+    moved = replace(of.answer_of("bracket").variants[0].case_results[0], seat_displacement=0.1)
+    first = replace(of.answer_of("bracket").variants[0], case_results=(moved,))
+    answer = replace(
+        of.answer_of("bracket"), variants=(first, *of.answer_of("bracket").variants[1:])
+    )
+    of = replace(of, study_results=(replace(of.study_results[0], answer=answer),))
+    lines = without_colours(screen_lines(of)).splitlines()
+    assert lines[0].endswith("  INCOMPLETE")
+    said = " ".join(" ".join(lines).split())
+    assert "highest stress 120.5 ± 1.205 MPa at weld toe 1 (gvw: combined)" in said
+    assert "80 % of the fatigue limit at weld toe 1" in said  # 120.5 of 150 MPa
+    assert "h to the first failure" in said
+    assert "the variant is" in said
+    gravest = lines[lines.index("Before you sign") + 1]
+    assert "moves the bearing's seat by 100.0 mm" in gravest
+    assert "Not evaluated: " in said
+    assert "cardan bracket FILE --all" in said
 
 
 @pytest.mark.parametrize("code", [c for c in LANGUAGE_CODES if c != "en"])

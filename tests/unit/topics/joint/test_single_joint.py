@@ -13,7 +13,8 @@ from cardan.physics.kinematics.hooke_joint import PIN_NORMAL_TO_PLANE
 from cardan.render.i18n import LANGUAGE_CODES, Translator
 from cardan.render.text_layout import without_colours
 from cardan.schema import quantity_parser as byhand
-from cardan.topics.joint import presentation as one_joint
+from cardan.topics.joint import result_presentation as presentation
+from cardan.topics.joint.joint_result import JointResult
 from cardan.topics.joint.single_joint import SingleJoint
 
 
@@ -102,11 +103,13 @@ def test_max_acceleration_is_exact_beyond_range_of_approximation(angle):
 @pytest.mark.parametrize("code", LANGUAGE_CODES)
 def test_single_joint_report_fits_terminal_in_every_language(code):
     say = Translator(code)
-    joint = SingleJoint(angle=4.5 * deg, speed=3600 * rpm, torque=1000.0, across=80 * mm)
-    lines = without_colours(one_joint.text_lines(joint, say)).splitlines()
+    joint = JointResult(
+        joint=SingleJoint(angle=4.5 * deg, speed=3600 * rpm, torque=1000.0, across=80 * mm)
+    )
+    lines = without_colours(presentation.text_lines(joint, say)).splitlines()
     assert max(map(len, lines)) <= 80
     assert not any("-0" in line.replace("-0.", "").split() for line in lines)
-    assert len(one_joint.joint_report(joint, say).chapters) == 2
+    assert len(presentation.joint_report(joint, say).chapters) == 2
 
 
 @pytest.mark.parametrize(

@@ -43,6 +43,7 @@ from cardan.physics.vehicle.state_demand import (
     line_state_demand,
 )
 from cardan.physics.vehicle.state_torques import individual_axle_loads_by_state
+from cardan.render.check_screen import worst_check_of_each_part
 from cardan.render.i18n import ENGLISH, LANGUAGE_CODES, Translator
 from cardan.render.phrases import limit_grouping_key
 from cardan.render.text_layout import without_colours
@@ -57,7 +58,6 @@ from cardan.topics.torsion.launch_study import (
 )
 from cardan.topics.torsion.operating_grid import OperatingGrid
 from cardan.topics.torsion.powertrain_model import vehicle_torsion_model
-from cardan.topics.torsion.presentation import worst_check_of_each_part
 from cardan.topics.torsion.presentation_figures import campbell_figure, mode_shape_figure
 from cardan.topics.torsion.presentation_json import json_document
 from cardan.topics.torsion.registration import VibrationStudy

@@ -32,7 +32,7 @@ from cardan.cli import cli
 from cardan.core.errors import CardanError, FileIssue, InvalidFileError
 from cardan.core.verdict import CHECK_GRADES, VERDICTS, worst_first_key
 from cardan.model.variants import VariantOutputs, VariantStudy, VariedNumber
-from cardan.render.i18n import ENGLISH
+from cardan.render.i18n import ENGLISH, LANGUAGE_CODES
 from cardan.render.svg import VERDICT_COLOURS
 from cardan.topics.variants import presentation, presentation_figures
 from cardan.topics.variants import statistics as reduce
@@ -59,6 +59,7 @@ from cardan.topics.variants.presentation_json import json_document
 from cardan.topics.variants.runner import run_study
 from cardan.topics.variants.sampling import SampledVariable, SamplingPlan, sampling_plan
 from cardan.topics.variants.schema import read_variant_study as read_study
+from cardan.topics.variants.screen_presentation import screen_lines
 from cardan.topics.variants.shard_job import ShardJob, _evaluator_of
 from cardan.topics.variants.shard_store import MANIFEST_FILE_NAME
 from cardan.topics.variants.statistics import (
@@ -1212,7 +1213,7 @@ def asked(tmp_path, *options, study_text=STUDY):
 
 
 def test_study_command_prints_and_writes_reports(tmp_path):
-    run = asked(tmp_path, "--html", tmp_path / "a.html", "--json", tmp_path / "a.json")
+    run = asked(tmp_path, "--all", "--html", tmp_path / "a.html", "--json", tmp_path / "a.json")
     assert run.exit_code == 0, run.output
     for said in (
         "Two-piece driveline: 90 variants", "May be built (pass or warn)", "What varies",
@@ -1231,14 +1232,51 @@ def test_study_command_prints_and_writes_reports(tmp_path):
     assert json.loads(again.stdout) == document
 
 
+def test_study_command_prints_one_screen(tmp_path):
+    text = STUDY.replace("rows: float32", "sobol: true, pareto: [margin, cost]")
+    text = text.replace(text[text.index("  correlated:") : text.index("  ask:")], "")
+    screens: dict[str, list[str]] = {}
+    for lang in LANGUAGE_CODES:
+        run = asked(
+            tmp_path, "--lang", lang, "--n", 140, "--json", tmp_path / "a.json", study_text=text
+        )
+        assert run.exit_code == 0, run.output
+        lines = screens[lang] = run.stdout.splitlines()
+        assert len(lines) <= 32
+        assert max(map(len, lines)) <= 80
+    document = json.loads((tmp_path / "a.json").read_text())
+    lines, said = screens["en"], " ".join(" ".join(screens["en"]).split())
+    assert lines[0].split("  ")[0] == "Two-piece driveline"
+    assert lines[0].endswith(f"{100 * document['yield']['share']:.1f} % may be built")
+    failing = [one for one in document["limits"] if one["shares"]["fail"] > 0]
+    assert len([line for line in lines if line.startswith("X  ")]) == len(failing) > 0
+    for part in (
+        "Evaluated: 140 variants; criteria:", "What varies:", "Variance of smallest margin (Sobol",
+        "Worst variant:", "variants that no other beats (--all)", "Next: cardan study FILE --all",
+    ):  # fmt: skip
+        assert part in said
+    for lang in LANGUAGE_CODES[1:]:
+        assert {line for line in lines if re.search("[a-z]{4} ", line)} & set(
+            screens[lang]
+        ) == set()
+
+
+def test_stopped_study_says_so_at_the_top_of_its_screen():
+    study = reader.loads(LINE + STUDY)
+    found = run_study(study, study.variants, count=60)
+    lines = list(screen_lines(replace(found, requested_count=90)))
+    assert "Stopped: results of 60 of 90 variants." in lines[1:3]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("lang", ["pt", "it"])
 def test_study_command_output_is_translated(tmp_path, lang):
     text = STUDY.replace("rows: float32", "sobol: true, rare: true, pareto: [margin, cost]")
     text = text.replace(text[text.index("  correlated:") : text.index("  ask:")], "")
     run = asked(
-        tmp_path, "--lang", lang, "--n", 140, "--html", tmp_path / "a.html", study_text=text
-    )
+        tmp_path, "--all", "--lang", lang, "--n", 140, "--html", tmp_path / "a.html",
+        study_text=text,
+    )  # fmt: skip
     assert run.exit_code == 0, run.output
     assert "May be built" not in run.output
     assert "Sobol" in run.output
