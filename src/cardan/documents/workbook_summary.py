@@ -14,10 +14,11 @@ from cardan.checks.line_response import LineResponse
 from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.errors import MissingDependencyError
 from cardan.core.verdict import Check, Verdict
+from cardan.documents.first_screen import criteria_count_text
 from cardan.documents.line_drawing import has_known_geometry, side_view_in_state, state_to_draw
 from cardan.documents.workbook_criteria import MARGIN_COLUMN, CriteriaSheet
 from cardan.documents.workbook_limits import LimitSheet, colour_verdict_cells, write_verdict
-from cardan.render.phrases import check_counts_text, not_given_sentence, verdict_text
+from cardan.render.phrases import not_given_sentence, verdict_text
 from cardan.render.xlsx import (
     CHANGED_INPUT_COUNT_CELL_NAME,
     CHANGED_LIMIT_COUNT_CELL_NAME,
@@ -61,7 +62,7 @@ def fill_summary_sheet(
     write_verdict(sheet, sheet.row, judged, name="", texts=texts)
     sheet.row += 1
     _write_live_facts(sheet, judged, criteria)
-    counts = check_counts_text(of.checks, say, of.coverage.unevaluated)
+    counts = criteria_count_text(of, say)
     facts = [
         (say("as computed"), f"{verdict_text(of, say)} ({counts})"),
         (say("Coverage"), say("{answered} of {asked} checks evaluated",
