@@ -586,7 +586,8 @@ class OptionTable:
     mask: tuple[str, ...] = option(
         (),
         metavar="[CHANNEL=]KIND[@FROM..TO]",
-        help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze, noise, repeat), "
+        help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze, "
+        "response, noise, repeat), "
         "or of a time in seconds, FROM..TO; take a zero-step, a change of gain or hum off; may be "
         "repeated. Nothing is masked by itself.",
         keys=(
