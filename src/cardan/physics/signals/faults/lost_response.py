@@ -35,10 +35,11 @@ MAX_SHARE_OF_OTHER_STEP = 1 / 3
 """Share of the step, as a logarithm, by which the other gauge's level steps at most."""
 USUAL_QUANTILE = 0.25
 """Quantile of the difference between two gauges' levels that is usual: more is lost elsewhere."""
-SMOOTHED_SPANS, MIN_LOST_SPANS = 5, 3
-"""Spans whose median is taken, and the fewest that are lost."""
-STEP_SPANS, TRANSITION_SPANS = 5, 1
-"""Spans to either side of an end whose levels are compared, and those between."""
+SMOOTHED_SPANS, MIN_LOST_SPANS = 5, 5
+"""Spans whose median is taken, and the fewest that are lost: gears are shifted within less."""
+STEP_SPANS, MIN_STEP_SPANS, TRANSITION_SPANS = 5, 3, 1
+"""Spans to either side of an end whose levels are compared, the fewest outside, and those
+between."""
 SPANS_PER_BLOCK = 16
 """Spans whose spectra are held at once."""
 
@@ -154,7 +155,7 @@ def _ends(first: int, last: int, count: int) -> list[tuple[slice, slice]]:
             slice(last - TRANSITION_SPANS - inner, last - TRANSITION_SPANS),
         ),
     ]
-    return [(out, into) for out, into in ends if out.stop - out.start >= MIN_LOST_SPANS]
+    return [(out, into) for out, into in ends if out.stop - out.start >= MIN_STEP_SPANS]
 
 
 def _steps_alone(own: FloatArray, other: FloatArray, outside: slice, inside: slice) -> bool:
