@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
-# asammdf 8.8.28: samples that an MDF4 file marks invalid become valid ones where a channel is laid on
-# another raster, written as a table or as MDF 3; mdfreader 4.3 gives their placeholder as values.
+# asammdf 8.8.28: samples that an MDF4 file marks invalid become valid ones where a channel is laid
+# on another raster, written as a table or as MDF 3; mdfreader 4.3 gives their placeholder as
+# values.
 #
 # Valid input: a channel of 10 s at 10 Hz, sin t in MPa, of which the samples from 3 s to 5.9 s have
 # their invalidation bit set and hold the logger's placeholder, -999; a channel beside it is whole.
 #
 # Guess, written before the script was run: get() leaves the 30 samples out; a raster is filled from
-# valid samples alone; a table (to_dataframe, export to CSV) is empty there; mdfreader gives a masked
-# array.
+# valid samples alone; a table (to_dataframe, export to CSV) is empty there; mdfreader gives a
+# masked array.
 #
 # Seen: get() leaves them out. resample(0.05) reports a valid sample of -499.4 MPa: the mean of the
 # placeholder and of the valid sample beside it. The table and the CSV file are complete: a straight

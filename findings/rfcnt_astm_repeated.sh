@@ -1,19 +1,20 @@
 #!/usr/bin/env bash
-# rfcnt 0.6.1: under the ASTM count the rule for the residue that is its default, REPEATED, is added to
-# half cycles that were counted already. The damage is neither that of half cycles nor that of a
+# rfcnt 0.6.1: under the ASTM count the rule for the residue that is its default, REPEATED, is added
+# to half cycles that were counted already. The damage is neither that of half cycles nor that of a
 # history driven again and again.
 #
-# Valid input: two histories of some reversals, the example of ASTM E 1049 (figure 6) and a load that
-# grows; k = 5, amplitude 1 for one cycle, classes fine enough for every value to lie at a middle.
+# Valid input: two histories of some reversals, the example of ASTM E 1049 (figure 6) and a load
+# that grows; k = 5, amplitude 1 for one cycle, classes fine enough for every value to lie at a
+# middle.
 #
 # Guess, written before the script was run: HALFCYCLES gives the half cycles of ASTM E 1049, 5.4.4;
-# REPEATED gives the closed cycles of 5.4.5, in which the history begins at its largest reversal; both
-# whether use_ASTM is set or not.
+# REPEATED gives the closed cycles of 5.4.5, in which the history begins at its largest reversal;
+# both whether use_ASTM is set or not.
 #
 # Seen: HALFCYCLES does. REPEATED does without use_ASTM. With it the half cycles that the history
 # begins with stay counted, and what is left of the residue is repeated besides: the damage is 10 %
-# more for the example of the standard and 13 % more for the load that grows. The cycles are not those
-# of any rule: half a cycle of 3 and of 8 beside whole ones of 6 and 9.
+# more for the example of the standard and 13 % more for the load that grows. The cycles are not
+# those of any rule: half a cycle of 3 and of 8 beside whole ones of 6 and 9.
 #
 # Run by hand: bash findings/rfcnt_astm_repeated.sh. Needs Python 3.11 or later and a package index.
 # It fails if the output is another one.

@@ -27,12 +27,14 @@ LOWEST_BAND_HZ, HIGHEST_BAND_SHARE_OF_RATE = 2.0, 0.4
 ADJACENT_BANDS = 3
 """Octaves side by side that are lost at least: a force of one shaft, which only one gauge feels,
 fills no three of them."""
-MIN_COHERENCE = 0.1
-"""Coherence over the whole recording from which two gauges feel the same in an octave."""
+MIN_COHERENCE, MIN_COHERENT_BANDS = 0.1, 2
+"""Coherence over the whole recording from which two gauges feel the same in an octave; and octaves
+in which they do, from which the highest ones are compared whatever is in them: there lies the noise
+of an amplifier, which no vehicle moves and a filter behind it does."""
 MIN_LEVEL_LOSS_LN = float(np.log(3))
 """Logarithm of how many times less of it there is."""
 MAX_SHARE_OF_OTHER_STEP = 1 / 3
-"""Share of the step, as a logarithm, by which the other gauge's level steps at most."""
+"""Share of the step, as a logarithm, by which the other gauge's level steps down at most."""
 USUAL_QUANTILE = 0.25
 """Quantile of the difference between two gauges' levels that is usual: more is lost elsewhere."""
 SMOOTHED_SPANS, MIN_LOST_SPANS = 5, 5
@@ -93,11 +95,14 @@ class LostResponseDetector:
 
     def _lost_by(self, k: int, levels: FloatArray, same: BoolArray) -> FaultIntervals:
         """Return where a channel is lost against at least half of those that feel the same."""
-        partners = [j for j in range(self.count) if j != k and _adjacent(same[:, k, j][None]).any()]
+        partners = [
+            j for j in range(self.count) if j != k and comparable_bands(same[:, k, j]).any()
+        ]
         votes = np.zeros(len(levels))
         losses = np.zeros(len(levels))
         for j in partners:
-            for first, last, loss in lost_stretches(levels[:, k], levels[:, j], same[:, k, j]):
+            comparable = comparable_bands(same[:, k, j])
+            for first, last, loss in lost_stretches(levels[:, k], levels[:, j], comparable):
                 votes[first:last] += 1
                 losses[first:last] = np.maximum(losses[first:last], loss)
         lost = (votes > 0) & (votes >= len(partners) / 2)
@@ -106,8 +111,18 @@ class LostResponseDetector:
         return fault_intervals([(a * self.size, b * self.size) for a, b in runs], sizes)
 
 
+def comparable_bands(same: BoolArray) -> BoolArray:
+    """Return which bands, each the first of `ADJACENT_BANDS`, two gauges are compared in.
+
+    `same` (bands,) are those in which they feel the same.
+    """
+    comparable = _adjacent(same[None])[0].copy()
+    comparable[-1] |= np.count_nonzero(same) >= MIN_COHERENT_BANDS
+    return comparable
+
+
 def lost_stretches(
-    own: FloatArray, other: FloatArray, same: BoolArray
+    own: FloatArray, other: FloatArray, comparable: BoolArray
 ) -> list[tuple[int, int, float]]:
     """Return spans, first and one behind the last, in which a channel is lost, and by how much.
 
@@ -115,24 +130,23 @@ def lost_stretches(
     ----------
     own, other : (spans, bands) ln
         Levels of the channel, and of one beside it.
-    same : (bands,)
-        Bands in which the two feel the same.
+    comparable
+        First bands of those in which the two are compared (`comparable_bands`).
     """
     with np.errstate(invalid="ignore"):
         less = other - own
-    known = np.isfinite(less[:, same]).all(-1)
+    known = np.isfinite(less).all(-1)
     if np.count_nonzero(known) < 2 * STEP_SPANS:
         return []
-    # What two gauges do not share is never lost, nor what has no level.
-    smooth = _running_median(np.where(same & np.isfinite(less), less, 0.0))
+    smooth = _running_median(np.where(np.isfinite(less), less, 0.0))
     usual = np.quantile(smooth[known], USUAL_QUANTILE, axis=0)
-    lost = same & (smooth - usual > MIN_LEVEL_LOSS_LN)
+    lost = _adjacent(smooth - usual > MIN_LEVEL_LOSS_LN) & comparable
     found: list[tuple[int, int, float]] = []
-    for first, last in _runs(np.asarray(_adjacent(lost).any(axis=-1))):
+    for first, last in _runs(np.asarray(lost.any(axis=-1))):
         if last - first < MIN_LOST_SPANS:
             continue
-        share = _adjacent(lost[first:last]).mean(0)
-        bands = slice(int(np.argmax(share)), int(np.argmax(share)) + ADJACENT_BANDS)
+        lowest = int(np.argmax(lost[first:last].mean(0)))
+        bands = slice(lowest, lowest + ADJACENT_BANDS)
         if any(
             _steps_alone(own[:, bands], other[:, bands], outside, inside)
             for outside, inside in _ends(first, last, len(own))
@@ -164,7 +178,7 @@ def _steps_alone(own: FloatArray, other: FloatArray, outside: slice, inside: sli
         np.median(x[outside], axis=0) - np.median(x[inside], axis=0) for x in (own, other)
     )
     return bool(
-        (step > MIN_LEVEL_LOSS_LN).all() and (np.abs(beside) < MAX_SHARE_OF_OTHER_STEP * step).all()
+        (step > MIN_LEVEL_LOSS_LN).all() and (beside < MAX_SHARE_OF_OTHER_STEP * step).all()
     )
 
 
