@@ -438,6 +438,22 @@ def frozen_with_noise(x, rate, bad, rng):
     return frozen(x, rate, bad, rng, noise=0.005)
 
 
+def frozen_under_noise(x, rate, bad, rng):
+    """A gauge that stands for a third of the time under the noise of its amplifier."""
+    y, n = x.copy(), x.size // 3
+    a = int(rng.uniform(0.2, 0.5) * x.size)
+    y[a : a + n] = y[a] + (0.005 + 0.03 * bad) * x.std() * rng.normal(size=n)
+    return y
+
+
+def filter_switched_on(x, rate, bad, rng):
+    """A low-pass filter of the amplifier that is switched on part-way."""
+    y, a = x.copy(), int(rng.uniform(0.3, 0.6) * x.size)
+    sos = butter(4, 30 - 22 * bad, fs=rate, output="sos")
+    y[a:] = (sosfilt(sos, x - x[0]) + x[0])[a:]
+    return y
+
+
 def bridged(x, rate, bad, rng):
     return frozen(x, rate, bad, rng, bridged=True)
 
@@ -474,6 +490,7 @@ FAULTS = {
     "generator": generator, "folded tone": folds, "switched": switched, "coarse": coarse,
     "slow amplifier": slow, "slew rate": slews, "debonds": debonds, "recovers": recovers,
     "bytes swapped": bytes_swapped, "frozen": frozen, "frozen with noise": frozen_with_noise,
+    "frozen under noise": frozen_under_noise, "filter switched on": filter_switched_on,
     "bridged": bridged, "frozen at the worst": frozen_at_worst,
     "frozen under load": frozen_under_load,
 }  # fmt: skip

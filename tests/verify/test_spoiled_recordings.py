@@ -23,6 +23,7 @@ TOLD = {
     "steps": 0.85, "pulses": 0.75, "ignition": 0.75, "gain for a while": 0.9,
     "gain from midway": 0.85, "supply": 0.75, "lead": 0.75, "wrapped": 0.8, "doubled": 0.7,
     "absolute": 0.9, "inverted": 0.7, "frozen": 0.9, "frozen with noise": 0.75, "bridged": 0.75,
+    "frozen under noise": 0.7, "filter switched on": 0.6,
     "frozen at the worst": 0.9, "frozen under load": 0.9,
 }  # fmt: skip
 """Least share that is vetoed of what a fault puts off by more than a fifth. Of what leaves no mark

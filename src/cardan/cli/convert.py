@@ -30,8 +30,8 @@ from cardan.topics.recording.option_table import OPTIONS
 @click.option("--rate", type=float, help=OPTIONS["rate"].help)
 @click.option("--time", metavar=OPTIONS["time"].metavar, help=OPTIONS["time"].help)
 @click.option("--group", default="", help=OPTIONS["group"].help)
-@click.option("--dbc", metavar=OPTIONS["dbc"].metavar, type=click.Path(path_type=Path),
-              help=OPTIONS["dbc"].help)  # fmt: skip
+@click.option("--dbc", metavar=OPTIONS["dbc"].metavar, multiple=True,
+              type=click.Path(path_type=Path), help=OPTIONS["dbc"].help)  # fmt: skip
 @click.option("--force", is_flag=True, help="Replace the file.")
 @LANG_OPTION
 @QUIET_OPTION
@@ -44,7 +44,7 @@ def convert(
     rate: float | None,
     time: str | None,
     group: str,
-    dbc: Path | None,
+    dbc: tuple[Path, ...],
     force: bool,
     lang: str,
     quiet: bool,
@@ -62,7 +62,7 @@ def convert(
 
     say = Translator(lang)
     write = recording_writer(out)
-    check_output_paths({"OUT": out}, inputs=[file, *([dbc] if dbc else [])])
+    check_output_paths({"OUT": out}, inputs=[file, *dbc])
     recording = open_recording(file, rate=rate, time=time, group=group, dbc=dbc)
     if channels:
         recording = with_channels(recording, channels)

@@ -192,7 +192,7 @@ def life(
         raise DesignError(msg)
     check_tables(tables, options)
     outputs = validate_output_paths(
-        recording, application, changed, options["limits"], options["dbc"], json_out=json_out,
+        recording, application, changed, options["limits"], *options["dbc"], json_out=json_out,
         plot=plot, **reports, **tables, corrected=corrected, load_history=load_history,
         changed_history=changed_history,
     )  # fmt: skip
@@ -219,7 +219,7 @@ def life(
     if reports:
         from cardan.topics.recording import report as story
 
-        issue = _report_stamp(recording, application, changed, campaign.can_database, text=False)
+        issue = _report_stamp(recording, application, changed, *campaign.can_databases, text=False)
         told = story.recording_report(found, say=say, issue=issue)
         write_report(told, reports, say=say, quiet=quiet)
     if found.answer is not None:

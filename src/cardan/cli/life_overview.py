@@ -38,12 +38,14 @@ def print_overview(
     from cardan.topics.recording.recording_overview import next_command, survey_recording
 
     how = {name: options[name] for name in _OF_AN_OVERVIEW}
-    validate_output_paths(recording, how["dbc"], json_out=json_out)
+    validate_output_paths(recording, *how["dbc"], json_out=json_out)
     with progress_line(say("reading"), quiet=quiet) as line:
         found = survey_recording(
             recording, **how, tell=lambda doing, _, __: line.write(progress_text(doing, say))
         )
-    reading = [w for name in sorted(how) if how[name] for w in (f"--{name}", f"{how[name]}")]
+    given = how | {"dbc": None}
+    reading = [w for file in how["dbc"] for w in ("--dbc", file)]
+    reading += [w for name in sorted(given) if given[name] for w in (f"--{name}", f"{given[name]}")]
     command = next_command(found, os.fspath(recording), reading=tuple(reading))
     if json_out is not None:
         write_json(shown.overview_json(found, command), json_out)

@@ -87,7 +87,7 @@ class RecordingFormat:
         Endings of file names, in lower case and with the dot.
     open_columns
         Returns the columns of a file, given its path and a group; "" is no group. One that takes
-        a CAN database is given its path besides, or None.
+        CAN databases is given their paths besides, in a tuple.
     extra
         The extra of cardan that installs the libraries that it needs.
     has_groups
@@ -110,6 +110,12 @@ class RecordingFormat:
 MIN_SAMPLE_RATE_HZ, MAX_SAMPLE_RATE_HZ = 1e-4, 1e7
 """Sample rates of anything that records a driveline: from a value in hours to a digitiser's.
 Beyond them it is the number that is wrong. House practice, assumed."""
+
+
+def no_frames_note(databases: tuple[Path, ...]) -> str:
+    """Return what is said of CAN databases that a file has no use for."""
+    names = ", ".join(path.name for path in databases)
+    return f"no CAN frames in it: {names} decodes nothing"
 
 
 def check_sample_rate(path: Path, rate: float) -> None:

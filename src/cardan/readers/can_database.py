@@ -8,7 +8,7 @@ Source: Vector, "DBC File Format Documentation", 1.0; SAE J1939-21 (identifier) 
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -309,6 +309,31 @@ def read_can_database(path: Path) -> CanDatabase:
         for identifier, (name, signals) in written.items()
     }
     return CanDatabase(path.name, messages)
+
+
+def read_can_databases(paths: Sequence[Path]) -> CanDatabase:
+    """Read DBC files as one database.
+
+    Raises
+    ------
+    InvalidFileError
+        If one is none, or two describe the same message differently.
+    """
+    if len(paths) == 1:
+        return read_can_database(paths[0])
+    messages: dict[int, CanMessage] = {}
+    source: dict[int, str] = {}
+    for path in paths:
+        for identifier, message in read_can_database(path).messages.items():
+            if messages.setdefault(identifier, message) != message:
+                bits, shown = divmod(identifier, EXTENDED_BIT)
+                raise unreadable_recording_error(
+                    path, f"it describes a message in another way than {source[identifier]}",
+                    value=f"{message.name}, {shown:0{8 if bits else 3}X}",
+                    hint="give the databases of one bus (--dbc)",
+                )  # fmt: skip
+            source.setdefault(identifier, path.name)
+    return CanDatabase(", ".join(path.name for path in paths), messages)
 
 
 _Written = dict[str, tuple[CanSignal, str]]

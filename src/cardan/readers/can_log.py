@@ -29,7 +29,7 @@ from cardan.readers.can_database import (
     CanDatabase,
     CanMessage,
     CanSignal,
-    read_can_database,
+    read_can_databases,
     without_priority,
 )
 from cardan.readers.can_frames import FrameBlock, FrameSource, asc_blocks, blf_blocks
@@ -39,13 +39,13 @@ NO_DATABASE = "a log of CAN frames: give its DBC with --dbc"
 _MAX_NAMED = 6
 
 
-def open_can_log(path: Path, _group: str = "", dbc: Path | None = None) -> RecordingFileColumns:
-    """Open a Vector BLF or ASC log by its CAN database."""
-    if dbc is None:
+def open_can_log(path: Path, _group: str = "", dbc: tuple[Path, ...] = ()) -> RecordingFileColumns:
+    """Open a Vector BLF or ASC log by its CAN databases."""
+    if not dbc:
         raise unreadable_recording_error(path, NO_DATABASE)
     with path.open("rb") as file:
         blocks = blf_blocks if is_blf(file.read(4)) else asc_blocks
-    tables = decode_frames(path, lambda tell: blocks(path, tell), read_can_database(dbc))
+    tables = decode_frames(path, lambda tell: blocks(path, tell), read_can_databases(dbc))
     return as_one_file(tables)
 
 

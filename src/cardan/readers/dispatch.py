@@ -22,6 +22,7 @@ from cardan.readers.base import (
     RecordingFileColumns,
     RecordingFormat,
     check_sample_rate,
+    no_frames_note,
     unreadable_recording_error,
 )
 from cardan.readers.file_content import HEAD_BYTES, check_known_format, is_text
@@ -58,7 +59,7 @@ def formats_by_extension() -> dict[str, RecordingFormat]:
 
 def open_recording(
     path: Path, *, rate: float | None = None, time: str | None = None, group: str = "",
-    dbc: Path | None = None,
+    dbc: Path | Iterable[Path] | None = None,
 ) -> Recording:  # fmt: skip
     """Open a recording by what is in it; the ending of its name counts where that says nothing.
 
@@ -75,13 +76,14 @@ def open_recording(
     group
         Of HDF5, TDMS, MDF4 or MATLAB to read, where there is more than one; no other file has any.
     dbc
-        CAN database that decodes the frames of MDF4, BLF or ASC.
+        CAN database that decodes the frames of MDF4, BLF or ASC, or several of one bus.
 
     Raises
     ------
     InvalidFileError
         If it cannot be read as meant: every message says what to try.
     """
+    databases = () if dbc is None else (dbc,) if isinstance(dbc, Path) else tuple(dbc)
     if not path.is_file():
         raise unreadable_recording_error(path, "no such file")
     if path.stat().st_size == 0:
@@ -95,8 +97,7 @@ def open_recording(
             hint=f"only files of {', '.join(names)} and {last} have groups",
         )  # fmt: skip
     try:
-        databases = (dbc,) if own_format.takes_dbc else ()
-        first = own_format.open_columns(path, group, *databases)
+        first = own_format.open_columns(path, group, *([databases] if own_format.takes_dbc else []))
     except ImportError as error:
         raise unreadable_recording_error(
             path, f"reading it needs {error.name}",
@@ -108,8 +109,8 @@ def open_recording(
         _check_unique_names(path, table)
         tables[k] = with_group_prefix(table, taken)
         taken |= {c.name for c in tables[k].columns}
-    if dbc is not None and not own_format.takes_dbc:
-        tables[0] = _with_notes(tables[0], f"no CAN frames in it: {dbc.name} decodes nothing")
+    if databases and not own_format.takes_dbc:
+        tables[0] = _with_notes(tables[0], no_frames_note(databases))
     if rate is not None:
         check_sample_rate(path, rate)
         if any(t.frames for t in tables):

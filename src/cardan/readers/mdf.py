@@ -22,18 +22,19 @@ from cardan.readers.base import (
     as_one_file,
     check_sample_count,
     missing_rows_error,
+    no_frames_note,
     unreadable_recording_error,
 )
-from cardan.readers.can_database import EXTENDED_BIT, read_can_database
+from cardan.readers.can_database import EXTENDED_BIT, read_can_databases
 from cardan.readers.can_frames import FrameBlock
 from cardan.readers.can_log import NO_DATABASE, decode_frames
 from cardan.readers.mdf_validation import check_mdf_blocks
 
 
-def open_mdf(path: Path, group: str = "", dbc: Path | None = None) -> RecordingFileColumns:
+def open_mdf(path: Path, group: str = "", dbc: tuple[Path, ...] = ()) -> RecordingFileColumns:
     """Open an MDF4 recording: the channels of every group, each by its own time.
 
-    Groups of CAN frames are decoded by a database.
+    Groups of CAN frames are decoded by databases.
     """
     from asammdf import MDF  # pyright: ignore[reportMissingTypeStubs, reportMissingImports]
 
@@ -53,7 +54,7 @@ def open_mdf(path: Path, group: str = "", dbc: Path | None = None) -> RecordingF
         )
     if not chosen:
         raise unreadable_recording_error(path, "it holds no samples")
-    if dbc is None and len(frames) == len(chosen):
+    if not dbc and len(frames) == len(chosen):
         raise unreadable_recording_error(path, NO_DATABASE)
     check_sample_count(path, max(sizes[k] for k in chosen), len(chosen))
     # What is asked of one record may read them all, and take twice the file of memory.
@@ -62,17 +63,17 @@ def open_mdf(path: Path, group: str = "", dbc: Path | None = None) -> RecordingF
     tables = [_mdf_group_table(path, file, k, sizes[k], names[k]) for k in own]
     file.configure(read_fragment_size=MDF_READ_BLOCK_BYTES)
     notes: list[str] = []
-    if frames and dbc is not None:
+    if frames and dbc:
 
         def blocks(_tell: Callable[[str], None]) -> Iterator[FrameBlock]:
             for k in frames:
                 yield from _mdf_frames(path, file, k)
 
-        tables += decode_frames(path, blocks, read_can_database(dbc))
+        tables += decode_frames(path, blocks, read_can_databases(dbc))
     elif frames:
         notes += [f"{names[k]}: left out, {NO_DATABASE}" for k in frames]
-    if dbc is not None and not frames:
-        notes.append(f"no CAN frames in it: {dbc.name} decodes nothing")
+    if dbc and not frames:
+        notes.append(no_frames_note(dbc))
     single = [names[k] for k, n in enumerate(sizes) if n == 1 and not group]
     if single:
         notes.append(f"{', '.join(single)}: left out, it holds one row")

@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 from test_every_format import mutants, rejections
 
+from cardan.cli.convert import convert
 from cardan.cli.life import life
 from cardan.core.errors import CardanError, InvalidFileError
 from cardan.readers.can_database import EXTENDED_BIT, J1939_PARAMETERS, read_can_database
@@ -28,7 +29,7 @@ EEC1 = logs.EEC1
 def tables(path, dbc):
     """Values and instants by signal, before they are laid on any clock."""
     opened = open_mdf if path.read_bytes()[:3] == b"MDF" else open_can_log
-    first = opened(path, "", dbc)
+    first = opened(path, "", (dbc,))
     found = {}
     for table in (first, *first.other_tables):
         if table.frames:
@@ -231,9 +232,9 @@ def test_life_and_shaft_angle_of_a_log(tmp_path):
     assert re.search(r"Little +-30\.\d +30\.\d", done.output), done.output
     assert "note: CAN frames by a.dbc: 330 of 330 decoded" in done.output
     asked = AnalysisOptions.from_values(
-        sn=(30, 2e6, 5), dbc=str(tmp_path / "a.dbc"), speed="TransmissionOutputShaftSpeed"
+        sn=(30, 2e6, 5), dbc=(str(tmp_path / "a.dbc"),), speed="TransmissionOutputShaftSpeed"
     )
-    recording = open_recording(tmp_path / "a.log", dbc=asked.can_database)
+    recording = open_recording(tmp_path / "a.log", dbc=asked.can_databases)
     turns = measured_shaft_angle(asked, recording).rotation.turns
     assert turns[-1] - turns[0] == pytest.approx(400 / 60 * 3, rel=0.01)
 
@@ -271,6 +272,67 @@ strength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}
     )
     with pytest.raises(InvalidFileError, match=r"recordings\[2\].dbc: lies outside"):
         read_campaign_file(tmp_path / "a.yaml")
+
+
+# ----------------------------------------------------------------------------- several databases
+
+ENGINE = """BO_ 2364540158 EEC1: 8 ECU
+ SG_ EngSpeed : 24|16@1+ (0.125,0) [0|8031.875] "rpm" TCU
+"""
+BODY = """BO_ 512 Body: 8 ECU
+ SG_ Load : 0|16@1- (0.5,0) [0|0] "MPa" TCU
+"""
+
+
+def log_of_two_databases(folder):
+    frames = [(at, "CF00400x", eec1(1000 + 50 * at)) for at in uneven(70)]
+    frames += [
+        (at + 0.003, "200", struct.pack("<h6x", round(90 * np.sin(at)))) for at, *_ in frames
+    ]
+    (folder / "bus.asc").write_text(asc_text(*sorted(frames)))
+    return logs.dbc(folder / "engine.dbc", ENGINE), logs.dbc(folder / "body.dbc", BODY + ENGINE)
+
+
+def test_log_is_decoded_by_several_databases(tmp_path):
+    """The same message in both counts once; alone, each decodes what it has."""
+    databases = log_of_two_databases(tmp_path)
+    recording = open_recording(tmp_path / "bus.asc", dbc=databases)
+    assert {"EngSpeed", "Load"} <= set(recording.names)
+    assert any("CAN frames by engine.dbc, body.dbc: 140 of 140" in n for n in recording.notes)
+    alone = open_recording(tmp_path / "bus.asc", dbc=databases[0])
+    assert "Load" not in alone.names
+    named = [word for path in databases for word in ("--dbc", str(path))]
+    log, table = str(tmp_path / "bus.asc"), tmp_path / "a.csv"
+    done = CliRunner().invoke(convert, [log, str(table), *named])
+    assert done.exit_code == 0, done.output
+    assert "Load" in table.read_text().splitlines()[0]
+    shown = CliRunner().invoke(life, [log, *named])
+    assert shown.exit_code == 0, shown.output
+    assert shown.output.count("--dbc") == 2
+    assert "Load" in shown.output
+
+
+def test_campaign_names_several_databases(tmp_path):
+    log_of_two_databases(tmp_path)
+    (tmp_path / "a.yaml").write_text("""
+campaign: two
+recordings:
+  - {file: bus.asc, dbc: [engine.dbc, body.dbc]}
+gauges: ["Load:MPa"]
+strength: {amplitude_MPa: 30, cycles: 2e6, slope: 5}
+""")
+    written = read_campaign_file(tmp_path / "a.yaml")
+    assert {p.name for p in written.referenced_files} == {"bus.asc", "engine.dbc", "body.dbc"}
+    _, recording = recording_and_options(AnalysisOptions(**written.options), written.drives[0])
+    assert {"EngSpeed", "Load"} <= set(recording.names)
+
+
+def test_databases_that_contradict_each_other_are_refused(tmp_path):
+    databases = log_of_two_databases(tmp_path)
+    logs.dbc(databases[1], ENGINE.replace("0.125", "0.25"))
+    expected = r"body.dbc: .*another way than engine.dbc.*EEC1, 0CF004FE"
+    with pytest.raises(InvalidFileError, match=expected):
+        open_recording(tmp_path / "bus.asc", dbc=databases)
 
 
 # ------------------------------------------------------------------------- what a file may hold

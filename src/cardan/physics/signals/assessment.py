@@ -71,6 +71,7 @@ from cardan.physics.signals.data_quality import (
     fault_treatment_variants,
 )
 from cardan.physics.signals.faults.intervals import merge_runs
+from cardan.physics.signals.faults.lost_response import FAULT_RESPONSE
 from cardan.physics.signals.faults.stuck_bit import FAULT_BIT
 from cardan.physics.signals.faults.waveform import (
     FAULT_DROPOUT,
@@ -81,6 +82,9 @@ from cardan.physics.signals.faults.waveform import (
 )
 from cardan.physics.signals.hidden_damage import IntervalDamage, hidden_interval_count
 from cardan.physics.signals.recording import SAMPLES_PER_BLOCK, Recording, rechunk_to_block_size
+
+HIDING_FAULTS = (FAULT_MISSING_SAMPLES, FAULT_FREEZE, FAULT_RESPONSE)
+"""Kinds of fault while which the stress is unknown."""
 
 ProgressCallback = Callable[[str, float], None]
 """Told the name of the pass and the seconds of recording done."""
@@ -588,7 +592,7 @@ class _GaugeCounter:
             if w.kind in kinds or w.kind == ALL_UNDECIDED_FAULT_KINDS
         }
         self.how = how
-        self.hidden = {k: self._hidden_runs(k) for k in (FAULT_MISSING_SAMPLES, FAULT_FREEZE)}
+        self.hidden = {k: self._hidden_runs(k) for k in HIDING_FAULTS}
         self.hidden_counts = {
             k: hidden_interval_count(runs, rate=rate) for k, runs in self.hidden.items()
         }
@@ -639,7 +643,10 @@ class _GaugeCounter:
     def result(self, samples: int, distance: float) -> GaugeAssessment:
         """Return what it came to in a recording of so many samples."""
         frozen = merge_runs(
-            d[FAULT_FREEZE].undecided for d in self.decided.values() if FAULT_FREEZE in d
+            d[kind].undecided
+            for d in self.decided.values()
+            for kind in (FAULT_FREEZE, FAULT_RESPONSE)
+            if kind in d
         )
         live = self.count.live - int((frozen[:, 1] - frozen[:, 0]).sum())
         spectrum = self.count.welch.spectrum()

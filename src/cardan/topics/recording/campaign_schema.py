@@ -24,6 +24,7 @@ from cardan.schema.field_types import (
     MappingField,
     NumberField,
     TextField,
+    UnionField,
 )
 from cardan.schema.node_reader import (
     InvalidValueError,
@@ -39,6 +40,7 @@ from cardan.topics.recording.option_table import OPTIONS, FileKey, LifeOption, f
 T = TypeVar("T", bound=Table)
 
 _TIME = NumberField(least=0, most=1e9)
+_ONE_OR_SEVERAL = UnionField(TextField(), ListField(TextField()))
 
 
 def _field(of: LifeOption, key: FileKey) -> Field:
@@ -52,6 +54,8 @@ def _field(of: LifeOption, key: FileKey) -> Field:
         return ListField(number)
     if key.form == "axes":
         return MappingField(TextField(), ListField(number, least=3, most=3))
+    if key.form == "one or several":
+        return _ONE_OR_SEVERAL
     if of.is_repeatable:
         return ListField(TextField())
     if of.choices:
@@ -119,18 +123,18 @@ class RecordingSpec:
     times
         How often it is driven in the mix.
     beside
-        Other files of the same drive, how much later each began, s, and its CAN database.
+        Other files of the same drive, how much later each began, s, and its CAN databases.
     segments
         Stretches that count in place of the whole.
     options
-        What is said of it alone: rate, time, group, CAN database, mask, accept, and its
+        What is said of it alone: rate, time, group, CAN databases, mask, accept, and its
         calibrations (scale).
     """
 
     file: Path
     name: str
     times: float
-    second_files: tuple[tuple[Path, float, str | None], ...]
+    second_files: tuple[tuple[Path, float, tuple[str, ...]], ...]
     segments: tuple[RecordingSegment, ...]
     options: Mapping[str, Any]
 
@@ -149,10 +153,11 @@ class CampaignSpec:
     """Files that are read with it: recordings, applications, limits, and what those name."""
 
 
-def _database(of: Table) -> str | None:
-    """Return where the CAN database is that a table names."""
-    name: str | None = getattr(of, "dbc")  # noqa: B009  a key that the options give
-    return None if name is None else str(of.reader_of("dbc").referenced_path(name))
+def _databases(of: Table) -> tuple[str, ...]:
+    """Return where the CAN databases are that a table names."""
+    given: str | tuple[str, ...] = getattr(of, "dbc")  # noqa: B009  a key that the options give
+    names = (given,) if isinstance(given, str) else given
+    return tuple(str(of.reader_of("dbc").referenced_path(name)) for name in names)
 
 
 class SegmentTable(Table):
@@ -206,13 +211,13 @@ class AdditionalRecordingFileTable(Table):
         "how much later than the first it began", default=0.0
     )
 
-    dbc: str | None = table_key_field(
-        "CAN database (DBC) of a log of frames, next to this file", default=None
+    dbc: Annotated[str | tuple[str, ...], _ONE_OR_SEVERAL] = table_key_field(
+        "CAN database (DBC) of a log of frames, or a list of them, next to this file", default=()
     )
 
-    def build(self) -> tuple[Path, float, str | None]:
-        """Return where it is, how late, and where its CAN database is."""
-        return self.reader_of("file").referenced_path(self.file), self.late_s, _database(self)
+    def build(self) -> tuple[Path, float, tuple[str, ...]]:
+        """Return where it is, how late, and where its CAN databases are."""
+        return self.reader_of("file").referenced_path(self.file), self.late_s, _databases(self)
 
 
 class ChannelTable(Table):
@@ -257,9 +262,9 @@ class CampaignRecordingTable(Table):
     times: Annotated[float, NumberField(above=0, most=1e9)] = table_key_field(
         "how often it is driven in the mix", default=1.0
     )
-    beside: tuple[Annotated[tuple[Path, float, str | None], AdditionalRecordingFileTable], ...] = (
-        table_key_field("other files of the same drive", default=())
-    )
+    beside: tuple[
+        Annotated[tuple[Path, float, tuple[str, ...]], AdditionalRecordingFileTable], ...
+    ] = table_key_field("other files of the same drive", default=())
     segments: tuple[Annotated[RecordingSegment, SegmentTable], ...] = table_key_field(
         "stretches that count in place of the whole", default=()
     )
@@ -270,7 +275,7 @@ class CampaignRecordingTable(Table):
     def build(self) -> RecordingSpec:
         """Return the recording."""
         self.require_different_names("segments", (segment.name for segment in self.segments))
-        options = _option_values(self, "recording") | {"dbc": _database(self)}
+        options = _option_values(self, "recording") | {"dbc": _databases(self)}
         return RecordingSpec(
             file=self.reader_of("file").referenced_path(self.file),
             name=self.name or Path(self.file).name,

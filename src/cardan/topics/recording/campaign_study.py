@@ -430,7 +430,7 @@ def _opened(path: Path, campaign: AnalysisOptions) -> Recording:
     try:
         return open_recording(
             path, rate=campaign.rate, time=campaign.time, group=campaign.group,
-            dbc=campaign.can_database,
+            dbc=campaign.can_databases,
         )  # fmt: skip
     except ImportError as error:
         msg = f"this needs {error.name}; pip install 'cardan[fatigue,recordings]'"

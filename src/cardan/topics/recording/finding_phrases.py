@@ -67,6 +67,10 @@ CHANNEL_PHRASES = {
     "freeze": "samples standing still: {samples}, in {places} places, the first at {first} s",
     "zero-step": "steps of the zero: {places}, the first at {first} s",
     "gain": "changes of the gain: {places}, the first at {first} s",
+    "response": (
+        "stops responding while another gauge goes on, wholly or above a frequency: {places} "
+        "places, the first at {first} s"
+    ),
     "noise": (
         "samples of white noise, as of a contact that chatters: {samples}, in {places} "
         "places, the first at {first} s"

@@ -25,6 +25,8 @@ NEED_TEXTS_BY_UNDECIDED_FAULT: Mapping[str, str] = {
     "zero-step": "a word on the steps of its zero, which decide the damage: --mask or --accept "
     "zero-step",
     "gain": "a word on its gain, whose changes decide the damage: --mask or --accept gain",
+    "response": "a word on where it stops responding, which may hide damage: --mask or --accept "
+    "response",
     "noise": "a word on its noise, which decides the damage: --mask or --accept noise",
     "repeat": "a word on what was stored twice, which decides the damage: --mask or --accept "
     "repeat",

@@ -48,7 +48,7 @@ class FileKey:
         The key; the option's name unless given.
     form
         `value` as the option has it, `numbers` a list of them, `axes` three numbers by gauge,
-        `by hand` where the table declares it itself.
+        `one or several` a text or a list of them, `by hand` where the table declares it itself.
     bounds
         Of its number or numbers; the option's unless given.
     number_format
@@ -60,7 +60,7 @@ class FileKey:
     description: str = ""
     table: Literal["campaign", "recording", "strength"] = "campaign"
     name: str = ""
-    form: Literal["value", "numbers", "axes", "by hand"] = "value"
+    form: Literal["value", "numbers", "axes", "one or several", "by hand"] = "value"
     bounds: NumberRange | None = None
     number_format: str = "{!r}"
     after: str = ""
@@ -570,14 +570,16 @@ class OptionTable:
         help="Group of an HDF5, TDMS or MDF4 file.",
         keys=(FileKey(description="HDF5, TDMS or MDF4 group", table="recording", after="time"),),
     )
-    dbc: str | None = option(
-        None,
+    dbc: tuple[str, ...] = option(
+        (),
         metavar="FILE",
         help="CAN database of a log of frames (MDF4, BLF, ASC): its signals are the channels, by "
-        "their names there or in J1939 (EngineSpeed, SPN190).",
+        "their names there or in J1939 (EngineSpeed, SPN190); may be repeated.",
         keys=(
             FileKey(
-                description="CAN database (DBC) of a log of frames, next to this file",
+                description="CAN database (DBC) of a log of frames, or a list of them, next to "
+                "this file",
+                form="one or several",
                 table="recording",
                 after="group",
             ),
@@ -586,7 +588,8 @@ class OptionTable:
     mask: tuple[str, ...] = option(
         (),
         metavar="[CHANNEL=]KIND[@FROM..TO]",
-        help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze, noise, repeat), "
+        help="Make a hole of what looks wrong (sentinel, spike, dropout, freeze, "
+        "response, noise, repeat), "
         "or of a time in seconds, FROM..TO; take a zero-step, a change of gain or hum off; may be "
         "repeated. Nothing is masked by itself.",
         keys=(

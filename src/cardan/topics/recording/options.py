@@ -188,9 +188,9 @@ class AnalysisOptions(OptionTable):
             raise DesignError(msg)
 
     @property
-    def can_database(self) -> Path | None:
-        """Where the CAN database of a log of frames is."""
-        return Path(self.dbc) if self.dbc else None
+    def can_databases(self) -> tuple[Path, ...]:
+        """Where the CAN databases of a log of frames are."""
+        return tuple(Path(name) for name in self.dbc if name)
 
     @property
     def line(self) -> str:

@@ -2,7 +2,7 @@
 
 import math
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -92,7 +92,7 @@ class RecordingOverview:
 
 def survey_recording(
     path: Path, *, rate: float | None = None, time: str | None = None, group: str = "",
-    dbc: str | None = None,
+    dbc: Sequence[str] = (),
     tell: ProgressCallback = ignore_status,
 ) -> RecordingOverview:  # fmt: skip
     """Read a recording once and return what it holds.
@@ -103,9 +103,7 @@ def survey_recording(
         If it cannot be read as meant, holds no samples, or an optional library is absent.
     """
     try:
-        recording = open_recording(
-            path, rate=rate, time=time, group=group, dbc=Path(dbc) if dbc else None
-        )
+        recording = open_recording(path, rate=rate, time=time, group=group, dbc=map(Path, dbc))
         return overview_of(recording, tell=tell)
     except ImportError as error:
         msg = f"this needs {error.name}; pip install 'cardan[fatigue,recordings]'"

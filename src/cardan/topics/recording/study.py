@@ -217,7 +217,7 @@ def analyse_recording(
     try:
         recording = open_recording(
             path, rate=campaign.rate, time=campaign.time, group=campaign.group,
-            dbc=campaign.can_database,
+            dbc=campaign.can_databases,
         )  # fmt: skip
         return RecordingStudy(campaign, draw=draw).run(recording, tell)
     except ImportError as error:

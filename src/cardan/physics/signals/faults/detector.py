@@ -14,6 +14,7 @@ hole of it, which is unknown and not zero, and what is kept is exactly what was 
 | freeze | one value for longer than the channel ever keeps one |
 | zero-step | the signal is torn: it steps from one sample to the next, and goes on as before |
 | gain | from some place on it answers so many times as much, or the other way round |
+| response | it stops answering, wholly or above a frequency, while another gauge goes on |
 | noise | white for some tenths of a second, as a contact that chatters: no structure answers so |
 | repeat | what was written before, to the last digit: a buffer that was stored twice |
 | drift | the level creeps by more than the channel swings |
@@ -27,14 +28,16 @@ hole of it, which is unknown and not zero, and what is kept is exactly what was 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from cardan.core.arrays import FloatArray
 from cardan.physics.signals.faults.fault_kind import (
     ChannelStatistics,
     SignalBlock,
     WholeChannelFault,
 )
-from cardan.physics.signals.faults.intervals import FaultIntervals
-from cardan.physics.signals.faults.registry import FAULT_KINDS, FAULT_SOURCES
+from cardan.physics.signals.faults.intervals import FaultIntervals, merge_runs, overlaps
+from cardan.physics.signals.faults.registry import FAULT_KINDS, FAULT_SOURCES, FAULTS_BY_CODE
 
 
 @dataclass(frozen=True)
@@ -67,8 +70,21 @@ class FaultDetector:
                     whole[kind] = fault
                 elif fault.count:
                     intervals[kind] = fault
+        intervals = {k: _unexplained(where, k, intervals) for k, where in intervals.items()}
         kinds = [k for k in FAULT_KINDS if of.alive and k in intervals and intervals[k].count]
         return ChannelFaults({k: intervals[k] for k in kinds}, whole)
+
+
+def _unexplained(
+    where: FaultIntervals, kind: str, found: Mapping[str, FaultIntervals]
+) -> FaultIntervals:
+    """Return the places of a kind that no other kind found there explains."""
+    others = merge_runs(found[k].runs for k in FAULTS_BY_CODE[kind].explained_by if k in found)
+    if not len(others):
+        return where
+    half = (where.runs[:, 1] - where.runs[:, 0]) // 2
+    about = np.stack([where.runs[:, 0] - half, where.runs[:, 1] + half], -1)
+    return where.select(~overlaps(about, others))
 
 
 class ComparisonDetector:

@@ -142,6 +142,9 @@ class FaultKind:
         Whether it is no value in any channel; all else is of a gauge, that swings about a zero.
     impossible
         Whether no stress can be so, if all was said as it is.
+    explained_by
+        Kinds that leave the same trace: a place that one of them is at, or half its length beside
+        it, is that one's.
     """
 
     code: str
@@ -150,6 +153,7 @@ class FaultKind:
     correctable: bool = False
     of_any_channel: bool = False
     impossible: bool = False
+    explained_by: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

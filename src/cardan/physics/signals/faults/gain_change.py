@@ -48,6 +48,9 @@ MIN_COMMON_CHANGE_STANDARD_ERRORS = 5.0
 """Errors that a change has by what all bands do together: there are many places to choose from."""
 MIN_MEAN_POLARITY_PRODUCT_ACROSS_CHANGE = 0.25
 """Product of the mean signs on both sides beyond which a band says which way round a channel is."""
+MIN_FORCES_CHANGE_LN, MIN_FORCES_TO_GAIN_CHANGE_RATIO = float(np.log(2.5)), 1.5
+"""Step of both channels' levels, as a logarithm, from which it is the forces that changed; and how
+many times the change of the ratio: half of that, a gain moves it by itself."""
 SPANS_PER_BLOCK = 16
 """Spans whose spectra are held at once."""
 SEARCH_STEPS_PER_WINDOW, SEARCH_WINDOWS_PER_BLOCK = 6, 128
@@ -148,13 +151,28 @@ def gain_changes(own: FloatArray, other: FloatArray, both: FloatArray) -> list[t
     with np.errstate(divide="ignore", invalid="ignore"):
         known = both**2 > MIN_BAND_COHERENCE * own * other
         ratio = np.where(known, np.log(own / other) / 2, np.nan)
+        loudness = np.where(known, np.log(own * other) / 4, np.nan)
     sign = np.where(known, np.sign(both), np.nan)
-    return next(
-        filter(
-            None, (_gain_changes_in_window(ratio, sign, *look) for look in SEARCH_WINDOW_SETTINGS)
-        ),
-        [],
-    )
+    for about, fewest, least in SEARCH_WINDOW_SETTINGS:
+        found = [
+            (k, factor)
+            for k, factor in _gain_changes_in_window(ratio, sign, about, fewest, least)
+            if not _forces_change(loudness, k, about=about, factor=factor)
+        ]
+        if found:
+            return found
+    return []
+
+
+def _forces_change(loudness: FloatArray, k: int, *, about: int, factor: float) -> bool:
+    """Return whether both channels' levels (m, b) ln step at a span by more than their ratio.
+
+    An engine at idle shakes two gauges by another ratio than a road, in all bands perhaps.
+    """
+    before, after = loudness[max(k - about, 0) : k], loudness[k : k + about]
+    step, count = _nanmedian((_nanmedian(after.T)[0] - _nanmedian(before.T)[0])[None])
+    least = max(MIN_FORCES_CHANGE_LN, MIN_FORCES_TO_GAIN_CHANGE_RATIO * abs(np.log(abs(factor))))
+    return bool(count[0] and abs(step[0]) > least)
 
 
 def _gain_changes_in_window(
