@@ -27,7 +27,12 @@ from cardan.documents.criteria import (
     names_its_part,
     short_name,
 )
-from cardan.render.check_texts import limit_text, unit_text, value_text
+from cardan.render.check_texts import (
+    limit_text,
+    lower_bound_explanation,
+    unit_text,
+    value_text,
+)
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import (
     adjustment_phrase,
@@ -137,6 +142,9 @@ def screen_lines(
         *required,
         *_table_lines(screen, rows),
         *_rest_lines(screen, rest),
+        *screen.fold(
+            *lower_bound_explanation((value_text(c.worst, say) for c in (*rows, *rest)), say)
+        ),
         *_correction_lines(screen, helps),
     ]
     below = [*optional, *_next_lines(screen)]
@@ -429,13 +437,13 @@ def _signature_lines(screen: _Screen, rows: Sequence[Criterion], count: int) -> 
 def _signature_items(screen: _Screen, rows: Sequence[Criterion]) -> Iterator[str]:
     """Yield sentences for a signer, the gravest first."""
     say, of = screen.say, screen.approval
+    if warnings := of.application.warnings:
+        keys = ", ".join(dict.fromkeys(w.key for w in warnings))
+        yield say("values of the file that look wrong: {keys}", keys=keys)
     for f in of.study_results:
         if f.was_run and (f.run_failed or (f.failure_reasons and not f.unevaluated)):
             yield from failure_sentences(f, say)
     yield from _assumed_input_items(screen, worse=True)
-    if warnings := of.application.warnings:
-        keys = ", ".join(dict.fromkeys(w.key for w in warnings))
-        yield say("values of the file that look wrong: {keys}", keys=keys)
     if of.state_kinds_not_given:
         names = (
             say(STATE_NAMES[kind]) if kind in STATE_NAMES else say.state(kind)
