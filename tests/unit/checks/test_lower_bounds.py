@@ -67,7 +67,7 @@ def shown(tmp_path: Path, *torques: float, options: tuple[str, ...] = ()) -> str
     return done.output
 
 
-def test_variant_with_lower_bound_is_not_counted_as_buildable(tmp_path):
+def test_variant_with_lower_bound_is_not_counted_as_buildable():
     """Both are within the limit; of one the force is only known to be at least so much."""
     found = cardan.study(
         reader.loads(text(WITHIN)), {"torque_Nm": {"grid": [WITHIN, BEYOND, 2]}}, n=2
