@@ -455,7 +455,13 @@ def _signature_items(screen: _Screen, rows: Sequence[Criterion]) -> Iterator[str
     if any(limit_text(c.worst, say).endswith("*") for c in rows):
         yield say("* limit of engineering judgement, no published limit")
     # Those that may turn a verdict first: others describe the input, or what was left out.
-    graver = ("rubber is taken", "assumed", "accelerations are of", "clearance is")
+    graver = (
+        "nothing in the file",
+        "rubber is taken",
+        "assumed",
+        "accelerations are of",
+        "clearance is",
+    )
     for note in sorted(of.note_messages, key=lambda one: [g not in one.text for g in graver]):
         yield say.translate_message(note)
 

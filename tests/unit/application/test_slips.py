@@ -16,6 +16,7 @@ from cardan.application.templates import template_text
 from cardan.approval.approval import approve_driveline
 from cardan.approval.notes import notes_for
 from cardan.core.errors import CardanError, InvalidFileError
+from cardan.render.i18n import ENGLISH
 
 MEASURE, REFUSED, SILENT = "measure", "refused", "silent"
 
@@ -392,6 +393,18 @@ def test_obstacles_left_out_are_named(example):
     for edits, told in (({}, False), ({"obstacles": None}, True)):
         application = loads(with_slip(example, Slip(edits, "")))
         assert (note in [n.text for n in notes_for(application, ())]) is told
+
+
+@pytest.mark.parametrize(
+    ("example", "keys"),
+    [(SMALL, "torque_Nm, speed_rpm"), (INDUSTRIAL, "torque_Nm, speed_rpm"), ("van", "")],
+)
+def test_torque_and_speed_that_nothing_confirms_are_named(example, keys):
+    """A torque in lbf ft under torque_Nm contradicts nothing where there is no engine."""
+    notes = notes_for(loads(with_slip(example, Slip({}, ""))), ())
+    found = [ENGLISH.translate_message(note) for note in notes]
+    named = [text for text in found if text.startswith(f"nothing in the file confirms {keys}")]
+    assert len(named) == bool(keys)
 
 
 @pytest.mark.parametrize("example", ["van", CHAIN])
