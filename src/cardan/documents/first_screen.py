@@ -135,6 +135,8 @@ def screen_lines(
     screen = _screen(of, say, width)
     required, optional = _not_evaluated_lines(screen)
     rows, rest = _chosen_criteria(screen)
+    shown = (value_text(c.worst, say) for c in (*rows, *rest))
+    explanation = screen.fold(*lower_bound_explanation(shown, say))
     above = [
         *title_lines(of, say, width),
         *_read_lines(screen),
@@ -142,15 +144,13 @@ def screen_lines(
         *required,
         *_table_lines(screen, rows),
         *_rest_lines(screen, rest),
-        *screen.fold(
-            *lower_bound_explanation((value_text(c.worst, say) for c in (*rows, *rest)), say)
-        ),
+        *explanation,
         *_correction_lines(screen, helps),
     ]
     below = [*optional, *_next_lines(screen)]
-    room = MAX_LINES - len(above) - len(below) - 1
+    room = min(MAX_LINES - len(above) - len(below) - 1, MAX_SIGNATURE_LINES - len(explanation))
     yield from above
-    yield from _signature_lines(screen, rows, min(max(room, 1), MAX_SIGNATURE_LINES))
+    yield from _signature_lines(screen, rows, max(room, 1))
     yield from below
 
 

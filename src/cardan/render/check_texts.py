@@ -46,7 +46,10 @@ def lower_bound_mark(c: Check) -> str:
 def lower_bound_explanation(shown: Iterable[str], say: Translator) -> Iterator[str]:
     """Yield what ≥ means, where one of the texts shown holds it."""
     if any("≥" in text for text in shown):
-        yield say("≥ lower bound: rubber is beyond its stop there, the true value is larger")
+        yield say(
+            "≥ lower bound: rubber goes beyond its stop there (assumed where travel_mm is not "
+            "given), and the true value is larger"
+        )
 
 
 def limit_text(c: Check, say: Translator) -> str:

@@ -39,7 +39,7 @@ WITHIN, BEYOND = 8000, 12000
 AMPLE = (
     "limits: [{quantity: centre_bearing_peak, unit: N, normal: 1e5, maximum: 1e6, source: ours}]"
 )
-EXPLAINED = "≥ lower bound: rubber is beyond its stop"
+EXPLAINED = "≥ lower bound: rubber goes beyond its stop"
 SHAPE = UShape(
     seat_diameter=0.1, width=0.07, thickness=0.006, height=0.09, flange=0.055,
     bend_radius=0.01, bolt_diameter=0.011, bolt_pitch=0.04,
