@@ -19,7 +19,7 @@ MATERIALS = "catalogue materials: 4879 to 5172 m/s, and 10 % around"
 TYRES = "catalogue tyres, VECTO declaration data: 343 to 652 mm rolling; cars assumed"
 UNECE = "UN ECE R.E.3 categories N1 to N3; overlaps assumed"
 BY_DEFINITION = "by definition"
-IVECO = "catalogue tube_joints: IVECO 603.95.241, table 2.16; range assumed"
+IVECO = "catalogue tube_joints: IVECO 603.95.241, 2.16; 603.95.747, 2.13; range assumed"
 TYPICAL = "catalogue typical, by class; range assumed: a slip of the unit is larger"
 DIESEL = "catalogue typical: van 118 N m/l of at least 1.77 l on 3.5 t; trucks assumed"
 TUBES = "catalogue tubes: 20 to 60; range assumed"
@@ -104,7 +104,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("tube_at_joint_peak", "shear in the tube at its joint's peak torque", line.tube_at_joint_peak,
       (50, 450), unit=" MPa", hint="are joint and tube of one size?"),
     R("published_joint", "the joint's peak torque over that of the joint printed with its tube",
-      line.published_joint, (0.8, 1.25), IVECO, hint="is the joint, or the tube, the right one?"),
+      line.published_joint, (0.8, 1.2), IVECO, hint="is the joint, or the tube, the right one?"),
     R("tube_for_joint", "the tube's diameter (mm) over the cube root of its joint's peak torque",
       line.tube_for_joint, (3.2, 8), TUBE_OF_JOINT, unit=" mm/(N m)^(1/3)",
       hint="are tube and joint of one size, and is it no radius?"),

@@ -299,6 +299,8 @@ OTHERS = [
                  "spline_stroke")),
     # --- a joint one size too large, or of another series
     (SMALL, Slip({"driveline.joints": 1810}, "joint_over_tube")),
+    (MEDIUM, Slip({"driveline.joints": "2040"}, "published_joint")),
+    ("vecto-4x2", Slip({"driveline.joints": "2045"}, "published_joint")),
     (TRUCK, Slip({"driveline.joints": [2045, 1760, 2045]}, "joint_series")),
     # --- every slope with the other sign
     (SMALL, Slip({"driveline.slopes.side_deg": [-3.0, -1.0, -4.5, -2.0]}, "gearbox_slope")),
