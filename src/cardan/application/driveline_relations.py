@@ -22,11 +22,17 @@ from cardan.physics.kinematics.joint_chain import rotate_chain
 MIN_COMPARED_EQUIVALENT_ANGLE = 0.8 * deg
 """Below it a line turns evenly however its yokes stand."""
 
+VEHICLE_PROFILES = frozenset({"body-builder", "van", "medium-truck", "heavy-truck"})
+"""Profiles whose limits are for the driveline of a road vehicle."""
+
 LEAST_COMPARED_ANGLE = 0.1 * deg
 """Equivalent angle of a line that turns evenly: what is compared with it stays a number."""
 
 STEEL_MODULUS_RANGE = (150 * GPa, 250 * GPa)
 """Young's modulus of what is taken for steel, Pa."""
+
+NEEDED_STROKE_SHARE = 0.3
+"""Share of a spline's stroke that states use, from which a long one is for the suspension."""
 
 PRINTED_SIZE_TOLERANCE = 0.01
 """Makers print the sizes of inch tubes in mm, rounded."""
@@ -110,6 +116,31 @@ def spline_balance(of: RelationContext) -> ComparedValues:
             keys = (f"{at}.spline.{'plunge' if value > 1 else 'draw'}",)
             other = f"{at}.spline.{'draw' if value > 1 else 'plunge'}"
             yield ComparedValue(keys, value, (other,))
+
+
+def spline_stroke(of: RelationContext) -> ComparedValues:
+    """Way between a spline's stops, mm, where its states do not need so much.
+
+    A long-travel suspension takes up a large part of a long spline; nan there.
+    """
+    for line in of.lines:
+        used = _length_changes(line)
+        for k, (at, shaft, _) in enumerate(line.shafts):
+            spline = shaft.spline
+            if spline and spline.plunge is not None and spline.draw is not None:
+                stroke = spline.plunge + spline.draw
+                needed = used is not None and used[k] > NEEDED_STROKE_SHARE * stroke
+                keys = f"{at}.spline.{'plunge' if spline.plunge >= spline.draw else 'draw'}"
+                others = f"{at}.spline.plunge", f"{at}.spline.draw"
+                yield ComparedValue((keys,), nan if needed else stroke / mm, others)
+
+
+def _length_changes(line: LineContext) -> FloatArray | None:
+    """Longest less shortest of each shaft in all states, m; None if that is not known."""
+    if line.in_states is None:
+        return None
+    lengths = line.in_states.layout.lengths
+    return lengths.max(axis=-2) - lengths.min(axis=-2) if lengths.ndim == 2 else None
 
 
 def spline_mass(of: RelationContext) -> ComparedValues:
@@ -328,6 +359,33 @@ def joints_alike(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{line.at}.joints",), max(peaks) / min(peaks))
 
 
+def joint_series(of: RelationContext) -> ComparedValues:
+    """Return the number of makers' series that a line's crosses are of."""
+    for line in of.lines:
+        crosses = [j for j in line.installed.line.joints if j and j.kind == "cross" and j.series]
+        series = dict.fromkeys(j.series for j in crosses)
+        if series:
+            detail = ", ".join(dict.fromkeys(f"{j.name} ({j.series})" for j in crosses))
+            yield ComparedValue((f"{line.at}.joints",), float(len(series)), detail=detail)
+
+
+def joint_over_tube(of: RelationContext) -> ComparedValues:
+    """Peak torque of a shaft's smaller cross over the torque at which its tube yields.
+
+    Tubes yield in shear at 1/sqrt(3) of their yield strength, after von Mises.
+    """
+    for line in of.lines:
+        joints = line.installed.line.joints
+        for k, (at, shaft, _) in enumerate(line.shafts, 1):
+            known = [j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross"]
+            peaks = [p for p in known if p]
+            if peaks and isinstance(shaft.tube, Tube) and shaft.tube.material.yield_strength:
+                shear = shaft.tube.material.yield_strength / 3**0.5
+                holds = shear * 4 * shaft.tube.second_moment / shaft.tube.outer
+                keys = f"{line.at}.joints[{k}]", f"{line.at}.joints"
+                yield ComparedValue(keys, min(peaks) / holds, (f"{at}.tube",))
+
+
 def tube_at_joint_peak(of: RelationContext) -> ComparedValues:
     """Shear in a tube at the peak torque of its joints, MPa."""
     for line in of.lines:
@@ -488,6 +546,22 @@ def _sign_bend(side: FloatArray, other: FloatArray, joints: slice) -> float:
     """Return the larger bend (deg) at some joints; nan where another sign is no better."""
     now, then = (float(np.abs(np.diff(s))[joints].max()) / deg for s in (side, other))
     return now if then < 3 else nan
+
+
+def gearbox_slope(of: RelationContext) -> ComparedValues:
+    """Slope of the gearbox of a vehicle with its engine ahead of the line, deg; falling positive.
+
+    Of combustion engines: a motor stands as its frame lets it.
+    """
+    application = of.application
+    profile = application.profile.partition(",")[0]
+    if application.electric or not (application.vehicle or profile in VEHICLE_PROFILES):
+        return
+    for line in of.lines:
+        if line.leaves_gearbox and line.installed.drives == "rear" and not line.installed.forward:
+            keys = f"{line.at}.gearbox_slope.side", f"{line.at}.slopes.side"
+            slope = float(line.installed.layout.side[0]) / deg
+            yield ComparedValue(keys, slope, (f"{line.at}.pinion_slope", f"{line.at}.points"))
 
 
 def inner_bend(of: RelationContext) -> ComparedValues:

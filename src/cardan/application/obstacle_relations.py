@@ -20,6 +20,9 @@ from cardan.physics.vehicle.clearance import clearances
 NEAR_SHAFT = 100 * mm
 """What stands within this of a shaft, and does not touch it, is in the file for a reason."""
 
+MAX_SKEW_DEG = 15.0
+"""What runs across by more is built so: a strut, a Panhard rod, a pipe. Assumed."""
+
 
 def obstacle_distance(of: RelationContext) -> ComparedValues:
     """Least distance of an obstacle from a shaft of its line in all states, mm; 0 if they touch."""
@@ -66,6 +69,20 @@ def obstacle_thickness(of: RelationContext) -> ComparedValues:
         at = f"obstacles[{k}]"
         keys = f"{at}.radius", f"{at}.diameter", at
         yield ComparedValue(keys, 2 * obstacle.radius / mm, default="0 mm")
+
+
+def cross_member_skew(of: RelationContext) -> ComparedValues:
+    """Angle of a cross member from square to the vehicle, deg; both sides of a frame are alike.
+
+    Of obstacles from one side of the vehicle to the other. Beyond `MAX_SKEW_DEG` it is no slip.
+    """
+    for k, obstacle in enumerate(of.application.obstacles, 1):
+        dx, dy, dz = np.abs(np.subtract(obstacle.end, obstacle.start))
+        if obstacle.start[1] * obstacle.end[1] < 0:
+            angle = float(np.degrees(np.arctan2(np.hypot(dx, dz), dy)))
+            value = angle if angle < MAX_SKEW_DEG else nan
+            at = f"obstacles[{k}]"
+            yield ComparedValue((f"{at}.end", at), value, (f"{at}.start",))
 
 
 def obstacle_slenderness(of: RelationContext) -> ComparedValues:

@@ -19,7 +19,7 @@ MATERIALS = "catalogue materials: 4879 to 5172 m/s, and 10 % around"
 TYRES = "catalogue tyres, VECTO declaration data: 343 to 652 mm rolling; cars assumed"
 UNECE = "UN ECE R.E.3 categories N1 to N3; overlaps assumed"
 BY_DEFINITION = "by definition"
-IVECO = "catalogue tube_joints: IVECO 603.95.241, table 2.16; range assumed"
+IVECO = "catalogue tube_joints: IVECO 603.95.241, 2.16; 603.95.747, 2.13; range assumed"
 TYPICAL = "catalogue typical, by class; range assumed: a slip of the unit is larger"
 DIESEL = "catalogue typical: van 118 N m/l of at least 1.77 l on 3.5 t; trucks assumed"
 TUBES = "catalogue tubes: 20 to 60; range assumed"
@@ -27,6 +27,10 @@ TUBE_STEELS = "catalogue materials: 355 to 650 MPa; down to plain steel, up by 1
 TUBE_OF_JOINT = "IVECO 603.95.241, table 2.16: 4.9 to 6.9; range assumed"
 RUBBER_LOSS = "range that verdicts are given for where a file says nothing: assumed"
 SHIPPED_LIMITS = "limit profiles of the package, the loosest of each quantity"
+REVERSE = "printed gearboxes: Ford M5OD 1.00, Fiat 124 0.99, Tremec M12 1.10; range assumed"
+AUTOMATIC_REVERSE = "printed gearboxes: Allison 1000 1.45, AT 545 1.46; range assumed"
+SLIP_LENGTHS = "examples: 80 to 120 mm; usual length compensation to 110 or 140 mm, assumed"
+ENGINE_TILT = "examples: 0 to 5.2 deg; engines are tilted towards the axle, assumed"
 UNIT = "check the unit"
 
 R = PlausibilityRule
@@ -48,6 +52,8 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       (0.005, 0.25), hint=UNIT),
     R("spline_balance", "the spline's plunge over its draw", line.spline_balance, (0.15, 7),
       hint=UNIT),
+    R("spline_stroke", "the spline's plunge and draw together", line.spline_stroke, (20, 150),
+      SLIP_LENGTHS, unit=" mm", hint="plunge and draw each count from where the spline stands"),
     R("spline_mass", "the spline's mass over that of its tube", line.spline_mass, (0.02, 3),
       hint=UNIT),
     R("yoke_mass", "the mass of a shaft's yoke over that of its tube", line.yoke_mass, (0.01, 4),
@@ -89,11 +95,16 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("double_cardan_distance", "the distance of the joint's crosses over the tube's diameter",
       line.double_cardan_distance, (0.5, 3), hint=UNIT),
     R("joints_alike", "the largest joint's peak torque over the smallest's", line.joints_alike,
-      (1, 3), hint="is one of them of another line?"),
+      (1, 2), hint="is one of them of another line?"),
+    R("joint_series", "the number of series that the line's joints are of", line.joint_series,
+      (1, 1), hint="flanges and yokes of one series do not fit another's: is a size mistyped?",
+      message="joints of one line are of several series: {detail}"),
+    R("joint_over_tube", "the joint's peak torque over that at which its tube yields",
+      line.joint_over_tube, (0.3, 1.3), hint="are joint and tube of one size?"),
     R("tube_at_joint_peak", "shear in the tube at its joint's peak torque", line.tube_at_joint_peak,
       (50, 450), unit=" MPa", hint="are joint and tube of one size?"),
     R("published_joint", "the joint's peak torque over that of the joint printed with its tube",
-      line.published_joint, (0.8, 1.25), IVECO, hint="is the joint, or the tube, the right one?"),
+      line.published_joint, (0.8, 1.2), IVECO, hint="is the joint, or the tube, the right one?"),
     R("tube_for_joint", "the tube's diameter (mm) over the cube root of its joint's peak torque",
       line.tube_for_joint, (3.2, 8), TUBE_OF_JOINT, unit=" mm/(N m)^(1/3)",
       hint="are tube and joint of one size, and is it no radius?"),
@@ -110,6 +121,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     # --- where a line runs
     R("lost_sign", "the bend of the next joint", line.lost_sign, (0, 6), unit=" deg",
       hint="with the other sign it would be below 3 deg: is the sign right?"),
+    R("gearbox_slope", "the gearbox's slope, positive down to the rear,", line.gearbox_slope,
+      (-1, 12), ENGINE_TILT, unit=" deg", hint="an engine ahead falls to the rear: is the sign "
+      "of these slopes right?"),
     R("inner_bend", "the angle of the joint between two shafts", line.inner_bend, (0, 4.5),
       unit=" deg", hint="check this point and its neighbours"),
     R("line_drop", "the line's slope off the mean slope of gearbox and pinion", line.line_drop,
@@ -148,6 +162,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       (0, 1.05), hint="it is counted at the gearbox output"),
     R("duty_torques", "the torque over the largest at the gearbox output", power.duty_torques,
       (0.01, 1.05), hint="it is counted at the gearbox output"),
+    R("largest_duty_torque", "the duty's largest torque over the line's largest",
+      power.largest_duty_torque, (0.25, inf),
+      hint="is a digit missing, or is pulling away left out?"),
     R("part_powers", "torque times speed over the engine's largest power", power.part_powers,
       (0, 1.1), hint="they do not occur together"),
     R("curve_speeds", "the curve's lowest speed over its highest", power.curve_speeds, (0.02, 1),
@@ -198,11 +215,15 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       hint="is a gear missing or mistyped?"),
     R("gear_progression", "the lowest step between gears over the next", power.gear_progression,
       (0.85, 1.8), hint="is the first gear missing or mistyped?"),
-    R("reverse_ratio", "the reverse ratio over the lowest gear's", power.reverse_ratio, (0.5, 1.2),
+    R("reverse_ratio", "the reverse ratio over the lowest gear's", power.reverse_ratio, (0.7, 1.2),
+      REVERSE,
       hint="it is engine speed over output speed, without a sign; is the first gear missing?"),
     R("automatic_reverse_ratio", "the reverse ratio over the lowest gear's",
       power.automatic_reverse_ratio, (0.5, 1.7),
       hint="it is engine speed over output speed, without a sign; is the first gear missing?"),
+    R("planetary_reverse_ratio", "the reverse ratio over the lowest gear's",
+      power.planetary_reverse_ratio, (1.1, 1.7), AUTOMATIC_REVERSE,
+      hint="a truck's automatic has a shorter reverse than first gear: are digits swapped?"),
     R("retarder_torque", "the retarder's torque over the engine's in its lowest gear",
       power.retarder_torque, (0.02, 1.5), hint="it is counted at the gearbox output"),
     R("road_speed", "the vehicle's top speed", power.road_speed,
@@ -228,6 +249,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       "sign right?"),
     R("obstacle_thickness", "the obstacle's diameter", obstacle.obstacle_thickness, (8, 400),
       unit=" mm", hint=UNIT),
+    R("cross_member_skew", "the angle of the cross member from square to the vehicle",
+      obstacle.cross_member_skew, (0, 3), unit=" deg",
+      hint="are both ends of one member, and its coordinates right?"),
     R("obstacle_slenderness", "the length of the obstacle's axis over its diameter",
       obstacle.obstacle_slenderness, (0.5, 60), hint="check both ends, their signs, and radius"),
     # --- loads
@@ -242,7 +266,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("centre_over_tyre", "the centre of gravity's height over the tyre's radius",
       vehicle.centre_over_tyre, (1.3, 6), hint="it is measured from the ground"),
     R("payload_height", "the height of the payload's centre of gravity, in tyre radii,",
-      vehicle.payload_height, (1, 9), hint="it follows from both states; is one mistyped?"),
+      vehicle.payload_height, (2, 9), hint="it follows from both states; is one mistyped?"),
     R("payload_place", "the rear axles' share of the payload", vehicle.payload_place, (0.55, 1.3),
       hint="are front and rear swapped?"),
     R("front_share", "the front axle's share of the load", vehicle.front_share, (0.1, 0.9),

@@ -21,6 +21,9 @@ MIN_CURVE_POINTS = 3
 MAX_GOVERNED_DROOP = 0.2
 """Share of speed within which a governor takes an engine's torque away: assumed."""
 
+LEAST_CRAWLER_RATIO = 4.0
+"""Ratio of an automatic's first gear from which it is a crawler, shorter than reverse: assumed."""
+
 TYPICAL_PARTS = (
     "clutch.stiffness", "clutch.disc_inertia", "converter.pump_inertia",
     "converter.turbine_inertia", "gearbox.input_inertia", "axle.flange_inertia",
@@ -100,6 +103,20 @@ def duty_torques(of: RelationContext) -> ComparedValues:
     most = float(np.fmin(of.largest_torque, nan if given is None else given))
     for k, point in enumerate(of.application.duty, 1):
         yield ComparedValue((f"duty[{k}].torque",), ratio(point.torque, most), ("torque",))
+
+
+def largest_duty_torque(of: RelationContext) -> ComparedValues:
+    """Largest torque of a duty over the largest at the gearbox output, at its slowest point.
+
+    The point that pulls away carries most: a duty without it leaves out what wears most.
+    """
+    duty, given = of.application.duty, of.application.torque
+    most = float(np.fmin(of.largest_torque, nan if given is None else given))
+    if duty and most > 0:
+        k = min(range(len(duty)), key=lambda one: duty[one].speed)
+        value = max(point.torque for point in duty) / most
+        against = ("torque",) if given is not None else ("engine.torque", "gearbox.ratios")
+        yield ComparedValue((f"duty[{k + 1}].torque", "duty"), value, against)
 
 
 def part_powers(of: RelationContext) -> ComparedValues:
@@ -299,6 +316,15 @@ def reverse_ratio(of: RelationContext) -> ComparedValues:
 def automatic_reverse_ratio(of: RelationContext) -> ComparedValues:
     """Reverse ratio over the lowest gear's, of a gearbox with a converter."""
     if (gearbox := of.application.gearbox) and of.has_converter:
+        value = ratio(gearbox.reverse_ratio, max(gearbox.ratios))
+        yield ComparedValue(("gearbox.reverse_ratio",), value, ("gearbox.ratios",))
+
+
+def planetary_reverse_ratio(of: RelationContext) -> ComparedValues:
+    """Reverse ratio over the lowest gear's, of a truck's automatic without a crawler gear."""
+    truck = of.vehicle_class in ("medium truck", "heavy truck")
+    gearbox = of.application.gearbox
+    if truck and gearbox and of.has_converter and max(gearbox.ratios) < LEAST_CRAWLER_RATIO:
         value = ratio(gearbox.reverse_ratio, max(gearbox.ratios))
         yield ComparedValue(("gearbox.reverse_ratio",), value, ("gearbox.ratios",))
 

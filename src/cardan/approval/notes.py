@@ -35,6 +35,9 @@ MAX_SPRING_RATE_DEVIATION = 0.005
 MAX_LINEAR_RUBBER_TRAVEL_M = 10 * mm
 """How far the rubber of a centre bearing may be taken to go without stiffening: house practice."""
 
+STRENGTH_QUANTITIES = frozenset({"joint_torque_utilisation", "tube_shear_utilisation"})
+"""What a wrong torque makes pass first."""
+
 ANGLE_QUANTITIES = frozenset({
     "joint_angle", "joint_angle_min", "end_angle_difference", "odd_joint_angle",
     "torsional_acceleration", "inertia_drive_acceleration", "inertia_coast_acceleration",
@@ -52,6 +55,7 @@ def notes_for(
     yield from _unasked_joints(responses)
     yield from _mismatches(application)
     yield from _missing_obstacles(application)
+    yield from _unconfirmed_demand(application)
     yield from _reached_speeds(responses)
     yield from _rigid_bearings(responses)
     yield from _assumed_losses(responses)
@@ -375,6 +379,21 @@ def _missing_obstacles(application: Application) -> Iterator[TranslatableMessage
     limited = any(limit.quantity == "clearance" for limit in application.limits)
     if application.vehicle is not None and limited and not application.obstacles:
         yield translatable_message("clearance is not evaluated (input missing: obstacles)")
+
+
+def _unconfirmed_demand(application: Application) -> Iterator[TranslatableMessage]:
+    """Yield that strength rests on a torque, and speed limits on a speed, that nothing confirms.
+
+    With an engine and gearbox they are compared (`cardan.application.plausibility`).
+    """
+    limited = {limit.quantity for limit in application.limits}
+    given = {"torque_Nm": application.torque, "speed_rpm": application.speed}
+    alone = [key for key, value in given.items() if value]
+    if application.engine is None and alone and limited & STRENGTH_QUANTITIES:
+        yield translatable_message(
+            "nothing in the file confirms {keys}: check value and unit; engine and gearbox would",
+            keys=", ".join(alone),
+        )
 
 
 def _left_out(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage]:

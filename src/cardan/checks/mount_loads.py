@@ -23,6 +23,7 @@ from cardan.physics.loads.centre_bearing import BearingForces
 from cardan.physics.loads.rubber_mount import DEFAULT_STOP_TRAVEL_M
 from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.operating_points import LineOperatingPoints
+from cardan.physics.vehicle.state_demand import LineStateDemand
 
 NEAR_STOP_SHARE = 0.95
 """Share of the force at a stop below which no travel is sought: less than any bearing needs."""
@@ -124,6 +125,18 @@ class MountLoads:
             mean = worst["static"].results.mean - self._weight
             travel = np.maximum(travel, np.linalg.norm(on.rubber_deflection(mean).real, axis=-1))
         return np.where(np.isnan(travel), 1.0, 1 - travel / stop)
+
+    def stop_margin_under(self, demand: LineStateDemand) -> FloatArray:
+        """Return `stop_margin` at most, under one demand instead of all points, (S, n-2) 1."""
+        on, stop = self.mounts.mounted_line, self.rubber_stop_travel
+        if on is None:
+            return np.ones((1, stop.shape[-1]))
+        goes = self.mounts.bearing_forces_at(
+            demand, self.mounts.inputs.layout_for(demand), gives=True
+        )
+        own = np.where(np.isnan(goes.peak), 1.0, 1 - goes.peak / stop)
+        least = own.min(axis=-1, keepdims=True, initial=1.0)
+        return np.where(least < 0, least, own)
 
     def force_at_stop(self, name: str) -> FloatArray:
         """Return one of `FORCE_KINDS` on each bearing at least, where a stop is met, (..., n-2) N.

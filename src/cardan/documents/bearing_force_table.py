@@ -12,9 +12,10 @@ import numpy as np
 
 from cardan.checks.line_response import LineResponse
 from cardan.checks.operating_point_results import OperatingPointResults, point_rows
-from cardan.core.arrays import ComplexArray, FloatArray
+from cardan.core.arrays import BoolArray, ComplexArray, FloatArray
 from cardan.core.errors import DesignError
 from cardan.core.units import deg, rpm
+from cardan.core.verdict import MARGIN_TOLERANCE
 from cardan.physics.loads.centre_bearing import BEARING_FORCE_ORDERS, BearingForces
 from cardan.physics.loads.half_turn_fourier import semi_major_axis
 
@@ -23,6 +24,7 @@ SPEED_COUNT = 40
 COLUMNS = (
     "line", "state", "gear", "mode", "speed_rpm", "torque_Nm", "bearing", "order", "frequency_Hz",
     "Fx_N", "Fy_N", "Fz_N", "phase_x_deg", "phase_y_deg", "phase_z_deg", "F_N",
+    "lower_bound",
 )  # fmt: skip
 
 
@@ -34,6 +36,7 @@ def bearing_force_csv(responses: Iterable[LineResponse]) -> str:
     from the gearbox). Order 0 is the mean, with its sign, under
     the spline thrust that makes it largest. F_N is 0-to-peak along the longer axis of the ellipse.
     Order 1 is of permissible unbalance, whose heavy spots are unknown: it has F_N alone.
+    `lower_bound` is 1 where linear rubber would go beyond its stop: forces are at least these.
 
     Raises
     ------
@@ -57,6 +60,7 @@ def bearing_force_csv(responses: Iterable[LineResponse]) -> str:
 def _rows(r: LineResponse) -> Iterator[tuple[Any, ...]]:
     """Yield the rows of a line, states first, then curves by speed."""
     p = _points(r)
+    beyond = _beyond_stop(r, p)
     for s, state in enumerate(r.demand.states):
         seen: set[tuple[int, str]] = set()
         for k in np.lexsort((p.speed[:, s], p.curve_index[:, s])).tolist():
@@ -80,7 +84,18 @@ def _rows(r: LineResponse) -> Iterator[tuple[Any, ...]]:
             for b in range(r.line.joint_count - 2):
                 for order, *forces in _orders(p.results, (k, s, b)):
                     frequency = _number(order * speed / (2 * np.pi))
-                    yield *at, b + 1, order, frequency, *forces
+                    yield *at, b + 1, order, frequency, *forces, int(beyond[k, s])
+
+
+def _beyond_stop(r: LineResponse, p: OperatingPointResults) -> BoolArray:
+    """Return at which points (P, S) the rubber of a bearing would go beyond its stop.
+
+    Then the forces of all its bearings are bounds: what a stop takes on others throw off.
+    """
+    if r.mounts.mounted_line is None:
+        return np.zeros(p.speed.shape, dtype=bool)
+    goes = r.mounts.bearing_forces_at_points(p.curve_index, p.speed, gives=True).results.peak
+    return (goes > r.mount_loads.rubber_stop_travel * (1 + MARGIN_TOLERANCE)).any(axis=-1)
 
 
 def _points(r: LineResponse) -> OperatingPointResults:

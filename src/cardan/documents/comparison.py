@@ -7,6 +7,7 @@ from cardan.approval.approval import Approval
 from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.verdict import Check, CheckGrade, worst_first_key
 from cardan.documents.inputs_table import input_rows
+from cardan.render.check_texts import lower_bound_mark
 from cardan.render.i18n import Translator
 
 
@@ -82,9 +83,12 @@ def _comparison_row(
     name = f"{line}: {say.name(quantity)}" if several else say.name(quantity)
     return ComparisonRow(
         name=name + unit,
-        values=tuple(
-            f"{say.number(c.value / q.si_factor)} ({say.margin_percent(c.margin)})" if c else "-"
-            for c in checks
-        ),
+        values=tuple(_value_with_margin(c, say) if c else "-" for c in checks),
         grades=tuple(c.grade if c else None for c in checks),
     )
+
+
+def _value_with_margin(c: Check, say: Translator) -> str:
+    """Return a check's value in its declared unit with its margin; ≥ before a lower bound."""
+    value = say.number(c.value / QUANTITIES[c.quantity].si_factor)
+    return f"{lower_bound_mark(c)}{value} ({say.margin_percent(c.margin)})"

@@ -16,7 +16,7 @@ from cardan.documents.criteria import (
     short_name,
 )
 from cardan.documents.first_screen import correction_text
-from cardan.render.check_texts import limit_text, value_text
+from cardan.render.check_texts import limit_text, lower_bound_explanation, value_text
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import grouped_unevaluated_lines, worst_check_per_limit
 from cardan.render.screen_layout import (
@@ -122,6 +122,7 @@ def correction_screen_lines(
     room = MAX_LINES - len(above) - len(below) - len(end) - 1
     table = _exceeded_lines(exceeded, min(room - MIN_SIGNATURE_LINES, MAX_CHANGE_LINES), say, width)
     yield from (*above, *table, *below)
+    yield from fold_lines(lower_bound_explanation((*above, *table, *below), say), width)
     yield bold(say("Before you sign"))
     yield from capped_item_lines(items, max(room - len(table), 1), "--all", say, width)
     yield from end

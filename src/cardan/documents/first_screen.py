@@ -27,7 +27,12 @@ from cardan.documents.criteria import (
     names_its_part,
     short_name,
 )
-from cardan.render.check_texts import limit_text, unit_text, value_text
+from cardan.render.check_texts import (
+    limit_text,
+    lower_bound_explanation,
+    unit_text,
+    value_text,
+)
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import (
     adjustment_phrase,
@@ -130,6 +135,8 @@ def screen_lines(
     screen = _screen(of, say, width)
     required, optional = _not_evaluated_lines(screen)
     rows, rest = _chosen_criteria(screen)
+    shown = (value_text(c.worst, say) for c in (*rows, *rest))
+    explanation = screen.fold(*lower_bound_explanation(shown, say))
     above = [
         *title_lines(of, say, width),
         *_read_lines(screen),
@@ -137,12 +144,13 @@ def screen_lines(
         *required,
         *_table_lines(screen, rows),
         *_rest_lines(screen, rest),
+        *explanation,
         *_correction_lines(screen, helps),
     ]
     below = [*optional, *_next_lines(screen)]
-    room = MAX_LINES - len(above) - len(below) - 1
+    room = min(MAX_LINES - len(above) - len(below) - 1, MAX_SIGNATURE_LINES - len(explanation))
     yield from above
-    yield from _signature_lines(screen, rows, min(max(room, 1), MAX_SIGNATURE_LINES))
+    yield from _signature_lines(screen, rows, max(room, 1))
     yield from below
 
 
@@ -429,13 +437,13 @@ def _signature_lines(screen: _Screen, rows: Sequence[Criterion], count: int) -> 
 def _signature_items(screen: _Screen, rows: Sequence[Criterion]) -> Iterator[str]:
     """Yield sentences for a signer, the gravest first."""
     say, of = screen.say, screen.approval
+    if warnings := of.application.warnings:
+        keys = ", ".join(dict.fromkeys(w.key for w in warnings))
+        yield say("values of the file that look wrong: {keys}", keys=keys)
     for f in of.study_results:
         if f.was_run and (f.run_failed or (f.failure_reasons and not f.unevaluated)):
             yield from failure_sentences(f, say)
     yield from _assumed_input_items(screen, worse=True)
-    if warnings := of.application.warnings:
-        keys = ", ".join(dict.fromkeys(w.key for w in warnings))
-        yield say("values of the file that look wrong: {keys}", keys=keys)
     if of.state_kinds_not_given:
         names = (
             say(STATE_NAMES[kind]) if kind in STATE_NAMES else say.state(kind)
@@ -447,7 +455,13 @@ def _signature_items(screen: _Screen, rows: Sequence[Criterion]) -> Iterator[str
     if any(limit_text(c.worst, say).endswith("*") for c in rows):
         yield say("* limit of engineering judgement, no published limit")
     # Those that may turn a verdict first: others describe the input, or what was left out.
-    graver = ("rubber is taken", "assumed", "accelerations are of", "clearance is")
+    graver = (
+        "nothing in the file",
+        "rubber is taken",
+        "assumed",
+        "accelerations are of",
+        "clearance is",
+    )
     for note in sorted(of.note_messages, key=lambda one: [g not in one.text for g in graver]):
         yield say.translate_message(note)
 

@@ -17,7 +17,7 @@ from cardan.checks.quantities.declaration import Quantity
 from cardan.core.verdict import VERDICTS, Check, UnevaluatedCheck, Verdict
 from cardan.documents.criteria import criteria_of, full_name, limit_qualifiers
 from cardan.documents.first_screen import screen_lines
-from cardan.render.check_texts import limit_text, value_text
+from cardan.render.check_texts import limit_text, lower_bound_explanation, value_text
 from cardan.render.i18n import ENGLISH, LANGUAGE_CODES, Translator
 from cardan.render.phrases import (
     citation,
@@ -197,6 +197,9 @@ def comparison_lines(
             mark = "*" if one.grades_differ else " "
             yield from row(one.name, one.values[some], one.grades[some], mark)
         yield say("* the verdict differs")
+        yield from fold_lines(
+            lower_bound_explanation((v for one in results for v in one.values[some]), say), width
+        )
         for k, v in enumerate(of[some], start + 1):
             if is_partial_approval(v.approval):
                 yield f"* {k}. {verdict_text(v.approval, say)}"

@@ -1,5 +1,6 @@
 """Value and limit of a check as a screen shows them, in few figures and a unit that suits both."""
 
+from collections.abc import Iterable, Iterator
 from math import isfinite
 
 from cardan.application.quantity_lookup import declared_quantity
@@ -21,11 +22,11 @@ def uncapitalised(name: str) -> str:
 def value_text(c: Check, say: Translator, value: float | None = None) -> str:
     """Return a value of a check (by default its own) in the unit of its limit, without the unit.
 
-    After ≥ where it is a lower bound. It has more than `VALUE_FIGURES` only where they would show
-    it as equal to its bound.
+    After ≥ where it is a lower bound, ≤ of what is the safer the larger. It has more than
+    `VALUE_FIGURES` only where they would show it as equal to its bound.
     """
     if c.is_lower_bound and value is None:
-        return f"≥ {value_text(c, say, c.value)}"
+        return f"{lower_bound_mark(c)}{value_text(c, say, c.value)}"
     scale, _ = _scale_and_unit(c)
     number, bound = (c.value if value is None else value) / scale, c.bound / scale
     if not isfinite(number):
@@ -35,6 +36,20 @@ def value_text(c: Check, say: Translator, value: float | None = None) -> str:
         if value is not None or rounded != bound or number == bound:
             return say.number(rounded, figures)
     return say.number(number, MAX_VALUE_FIGURES)
+
+
+def lower_bound_mark(c: Check) -> str:
+    """Return what stands before a lower bound: ≥ of a load, ≤ of a life; "" of other values."""
+    return {"<=": "≥ ", ">=": "≤ "}[c.limit.sense] if c.is_lower_bound else ""
+
+
+def lower_bound_explanation(shown: Iterable[str], say: Translator) -> Iterator[str]:
+    """Yield what ≥ means, where one of the texts shown holds it."""
+    if any("≥" in text for text in shown):
+        yield say(
+            "≥ lower bound: rubber goes beyond its stop there (assumed where travel_mm is not "
+            "given), and the true value is larger"
+        )
 
 
 def limit_text(c: Check, say: Translator) -> str:

@@ -26,6 +26,7 @@ from cardan.core.verdict import (
 from cardan.model.adjustments import ADJUSTMENTS
 from cardan.model.application import PermittedAdjustment
 from cardan.render.blocks import ReportDateAndSourceStamp
+from cardan.render.check_texts import lower_bound_mark
 from cardan.render.i18n import Translator
 
 if TYPE_CHECKING:  # a recording does not wait for the physics of a driveline
@@ -221,9 +222,9 @@ def limit_sense_symbol(c: Check, say: Translator) -> str:
 def value_and_bound(c: Check, say: Translator) -> tuple[str, str]:
     """Return value and bound of a check, in as many figures as tell apart what is not equal.
 
-    The value after ≥ where it is a lower bound.
+    The value after ≥ where it is a lower bound, ≤ of what is the safer the larger.
     """
-    factor, sign = declared_quantity(c.quantity).si_factor, "≥ " if c.is_lower_bound else ""
+    factor, sign = declared_quantity(c.quantity).si_factor, lower_bound_mark(c)
     for figures in range(4, 10):
         value, bound = (say.number(v / factor, figures) for v in (c.value, c.bound))
         if value != bound:

@@ -317,7 +317,9 @@ class _MapCells:
         worst = np.array([*map(VERDICTS.index, CHECK_GRADES), UNEVALUATED_GRADE_CODE])[
             a.grades
         ]  # the last: nothing
-        worst = np.where(a.missed, np.maximum(worst, INCOMPLETE_INDEX_IN_VERDICTS), worst)
+        worst = np.where(
+            a.missed | a.bounded, np.maximum(worst, INCOMPLETE_INDEX_IN_VERDICTS), worst
+        )
         left = a.deciding_margins
         among = np.where(worst == worst.max(axis=0), left, np.inf)
         decides = np.where(np.isinf(among).all(axis=0), worst.argmax(axis=0), among.argmin(axis=0))
@@ -390,7 +392,7 @@ def production_yield(
         found.append(variant_verdicts(rows.results, elsewhere=bool(elsewhere)))
         margins.append(rows.margins)
         for said, grades, missed in zip(
-            limits, rows.results.grades, rows.results.missed, strict=True
+            limits, rows.results.grades, rows.results.missed | rows.results.bounded, strict=True
         ):
             lost[said] += int(((grades == CHECK_GRADES.index("fail")) | missed).sum())
         lost[say("cannot be built")] += int(rows.results.infeasible.sum())

@@ -16,6 +16,7 @@ from cardan.application.templates import template_text
 from cardan.approval.approval import approve_driveline
 from cardan.approval.notes import notes_for
 from cardan.core.errors import CardanError, InvalidFileError
+from cardan.render.i18n import ENGLISH
 
 MEASURE, REFUSED, SILENT = "measure", "refused", "silent"
 
@@ -34,7 +35,7 @@ class Slip(NamedTuple):
 GVW, EMPTY, SPRING, LINK = (
     "vehicle.loads.gvw", "vehicle.loads.empty", "suspension.spring", "suspension.linkage"
 )  # fmt: skip
-SHAFT1, SHAFT2 = "driveline.shafts.0", "driveline.shafts.1"
+SHAFT1, SHAFT2, SHAFT3 = (f"driveline.shafts.{k}" for k in range(3))
 FRONT = "drivelines.front"
 BEARING = f"{SHAFT1}.centre_bearing"
 
@@ -284,6 +285,27 @@ OTHERS = [
     (REFUSE, Slip({"obstacles.0.radius_mm": None}, "obstacle_thickness")),
     (TRUCK, Slip({"obstacles.0.start_mm": [2100, -500, -1350],
                   "obstacles.0.end_mm": [2100, 500, -1350]}, "obstacle_distance")),
+    (REFUSE, Slip({"obstacles.0.start_mm": [2550, -500, -377]}, "cross_member_skew")),
+    (TRUCK, Slip({"obstacles.0.end_mm": [2200, 500, -350]}, "cross_member_skew")),
+    # --- digits swapped, a digit missing
+    (REFUSE, Slip({"gearbox.reverse_ratio": 3.05}, "planetary_reverse_ratio")),
+    ("van", Slip({"gearbox.reverse_ratio": 3.06}, "reverse_ratio")),
+    (REFUSE, Slip({"duty.0.torque_Nm": 400}, "largest_duty_torque")),
+    (BUS, Slip({"duty.0.torque_Nm": 260}, "largest_duty_torque")),
+    # --- the whole stroke given each way
+    (REFUSE, Slip({f"{SHAFT3}.spline.plunge_mm": 110, f"{SHAFT3}.spline.draw_mm": 110},
+                  "spline_stroke")),
+    ("van", Slip({f"{SHAFT1}.spline.plunge_mm": 90, f"{SHAFT1}.spline.draw_mm": 90},
+                 "spline_stroke")),
+    # --- a joint one size too large, or of another series
+    (SMALL, Slip({"driveline.joints": 1810}, "joint_over_tube")),
+    (MEDIUM, Slip({"driveline.joints": "2040"}, "published_joint")),
+    ("vecto-4x2", Slip({"driveline.joints": "2045"}, "published_joint")),
+    (TRUCK, Slip({"driveline.joints": [2045, 1760, 2045]}, "joint_series")),
+    # --- every slope with the other sign
+    (SMALL, Slip({"driveline.slopes.side_deg": [-3.0, -1.0, -4.5, -2.0]}, "gearbox_slope")),
+    # --- a height of the centre of gravity that puts the payload below the floor
+    ("van", Slip({f"{GVW}.cg_height_mm": 650}, "payload_height")),
     # --- a limit loosened, one turned into a warning
     ("van", Slip({"limits": loosened("van", critical_speed_ratio={"maximum": 1.2})},
                  "looser_limits")),
@@ -373,6 +395,18 @@ def test_obstacles_left_out_are_named(example):
     for edits, told in (({}, False), ({"obstacles": None}, True)):
         application = loads(with_slip(example, Slip(edits, "")))
         assert (note in [n.text for n in notes_for(application, ())]) is told
+
+
+@pytest.mark.parametrize(
+    ("example", "keys"),
+    [(SMALL, "torque_Nm, speed_rpm"), (INDUSTRIAL, "torque_Nm, speed_rpm"), ("van", "")],
+)
+def test_torque_and_speed_that_nothing_confirms_are_named(example, keys):
+    """A torque in lbf ft under torque_Nm contradicts nothing where there is no engine."""
+    notes = notes_for(loads(with_slip(example, Slip({}, ""))), ())
+    found = [ENGLISH.translate_message(note) for note in notes]
+    named = [text for text in found if text.startswith(f"nothing in the file confirms {keys}")]
+    assert len(named) == bool(keys)
 
 
 @pytest.mark.parametrize("example", ["van", CHAIN])

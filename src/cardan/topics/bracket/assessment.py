@@ -221,6 +221,7 @@ def bracket_checks(
             one = Check(
                 quantity=limit.quantity, line=of.bracket.line, when=v.when, part=v.part,
                 value=v.value, limit=limit, point=v.point, within=v.within,
+                validity_margin=v.stop_margin,
             )  # fmt: skip
             yield (
                 replace(one, deciding_inputs=(BOLT_CONTACT_SETTLED_BY_KEY,))
@@ -248,6 +249,7 @@ class _Value(NamedTuple):
     """Where something is worst, how much it is there, SI, and between what by its error.
 
     `kinder` is how much it is with the flange held the kinder way, where contact would say which.
+    `stop_margin` is negative where the loads are at least those that it is of.
     """
 
     when: EvaluationCondition
@@ -256,6 +258,7 @@ class _Value(NamedTuple):
     point: OperatingPoint | None = None
     within: tuple[float, float] | None = None
     kinder: float = np.nan
+    stop_margin: float = np.inf
 
 
 def _values(of: BracketResult, variant: ShapeAssessment, quantity: str) -> Iterator[_Value]:
@@ -277,6 +280,7 @@ def _values(of: BracketResult, variant: ShapeAssessment, quantity: str) -> Itera
                 float(used[worst]),
                 o.case.operating_point,
                 within=(max(float((least - off).max()), 0.0), float((used + off).max())),
+                stop_margin=o.case.stop_margin,
             )
     either = of.bracket.bolts is None
     if quantity == "bracket_fatigue_utilisation":
@@ -300,10 +304,11 @@ def _values(of: BracketResult, variant: ShapeAssessment, quantity: str) -> Itera
                     endured.at_spots([worst]).hours_to_failure * hour,
                     within=None if np.isnan(low) else (low, high),
                     kinder=endured.at_spots(mine).favourable_hours * hour if either else np.nan,
+                    stop_margin=endured.stop_margin,
                 )
     if quantity == "bracket_slip_utilisation":
-        for when, share, point in variant.bolt_slips:
-            yield _Value(when, Part("bolts"), share, point)
+        for when, share, point, margin in variant.bolt_slips:
+            yield _Value(when, Part("bolts"), share, point, stop_margin=margin)
     if quantity == "bracket_resonance" and np.isfinite(of.top_speed) and of.top_speed > 0:
         own, too_high = variant.lowest_frequency
         ratio = own * 2 * np.pi / (JOINT_EXCITATION_ORDER * of.top_speed)
@@ -348,6 +353,7 @@ def _fatigue(variant: ShapeAssessment, *, either: bool) -> Iterator[_Value]:
         yield _Value(
             worst.case.when, part, used, worst.case.operating_point, within=(low, high),
             kinder=kinder if either else np.nan,
+            stop_margin=min(o.case.stop_margin for o in lasting),
         )  # fmt: skip
 
 
@@ -472,10 +478,11 @@ def _of_state(
             state, forces=HalfTurnSeries(worst.results.half_turn_series.waves[at]), gravity=gravity,
             speed=point.speed, once=float(worst.results.order1[at]) if once else None,
         )  # fmt: skip
+        margin = _stop_margin(response, at)
         # Where its force is most by its parts, neither stress nor swing need be.
         here = replace(
             case, component="worst point", operating_point=point,
-            is_dynamic=bool(response.inputs.bracket_compliances),
+            is_dynamic=bool(response.inputs.bracket_compliances), stop_margin=margin,
         )  # fmt: skip
         others = _elsewhere(bracket, response, s, found) if found else ()
         yield replace(here, alternatives=(here, *others))
@@ -499,7 +506,15 @@ def _elsewhere(
         yield replace(
             case, component="worst point", operating_point=point,
             is_dynamic=bool(response.inputs.bracket_compliances),
+            stop_margin=_stop_margin(response, at[1:]),
         )  # fmt: skip
+
+
+def _stop_margin(response: LineResponse, at: tuple[int, int]) -> float:
+    """Return what travel to its stop the rubber of a bearing has free in a state; inf within."""
+    margins = response.mount_loads.stop_margin("peak")
+    free = float(np.broadcast_to(margins, (len(response.demand.states), margins.shape[-1]))[at])
+    return free if free < 0 else np.inf
 
 
 def load_cases_from_recordings(
@@ -596,6 +611,8 @@ def duty_cycle_cases(
             coasts=point.torque < 0,
         )  # fmt: skip
         carried = response.mounts.bearing_forces_at(under, response.layout_for(under))
+        free = response.mount_loads.stop_margin_under(under)
+        margins = np.broadcast_to(np.where(free < 0, free, np.inf), carried.static.shape)
         for s, state in enumerate(application.states):
             at = s, bracket.bearing - 1
             *_, case = _round_the_turn(
@@ -607,7 +624,11 @@ def duty_cycle_cases(
                 found[EvaluationCondition("duty", state.name)].append(
                     (
                         point.share,
-                        replace(case, is_dynamic=bool(response.inputs.bracket_compliances)),
+                        replace(
+                            case,
+                            is_dynamic=bool(response.inputs.bracket_compliances),
+                            stop_margin=float(margins[at]),
+                        ),
                     )
                 )
     return found

@@ -151,6 +151,7 @@ def _evaluate_case(
         life = DamageResult(
             when=case.when, hot_spot_damage=known * spent, gauge_damage=gauges,
             turns=case.turns, duration=case.duration, damage_bounds=known[:, None] * span,
+            stop_margin=case.stop_margin,
             favourable_lower_bound=known * favourable_values(ways, eased, tight=tight),
             favourable_damage=known * favourable_values(ways, each_spent, tight=tight),
         )  # fmt: skip

@@ -31,6 +31,7 @@ from cardan.topics.bracket.phrases import (
     life_bounds_note,
     number_range_text,
     resonance_sentences,
+    stop_notes,
     uncertain_stress_notes,
     unknown_strength_notes,
     utilisation_label,
@@ -470,7 +471,7 @@ def bracket_notes(of: BracketResult, say: Translator) -> Iterator[str]:
         "with the frame (`bolts`) stress may exceed both."
     )
     yield life_bounds_note(say)
-    for note in (contact_notes, joint_face_lift_off_notes, large_displacement_notes):
+    for note in (stop_notes, contact_notes, joint_face_lift_off_notes, large_displacement_notes):
         yield from dict.fromkeys(told for v in of.variants for told in note(v, say))
     yield from (
         f"{say(v.name)}: {told}"

@@ -77,6 +77,7 @@ def evaluate_duty_cycle(
                 duty_cycle_damage(when, gauges),
                 hot_spot_damage=known * worst,
                 damage_bounds=known[:, None] * span,
+                stop_margin=min(case.stop_margin for _, case in parts),
                 favourable_lower_bound=known * favourable_values(ways, eased, tight=tight),
                 favourable_damage=known * favourable_values(ways, each, tight=tight),
             )

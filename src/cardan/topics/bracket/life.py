@@ -215,6 +215,8 @@ class DamageResult:
     turns: float
     duration: float
     damage_bounds: FloatArray | None = None
+    stop_margin: float = np.inf
+    """That of its load cases: negative where the damage is a lower bound."""
     favourable_lower_bound: FloatArray | None = None
     favourable_damage: FloatArray | None = None
 

@@ -45,6 +45,9 @@ class BearingLoadCase:
     """Whether nobody knows how often it happens: it does no damage."""
     recovered_loads: RecoveredLoads | None = None
     """How its forces were read from gauges; None where they were not."""
+    stop_margin: float = np.inf
+    """Share of the travel to a stop that rubber has free; negative where its forces, of linear
+    rubber, are lower bounds."""
     alternatives: tuple["BearingLoadCase", ...] = ()
     """The same at each operating point: of these the worst is told."""
 

@@ -293,6 +293,18 @@ def joint_face_lift_off_notes(v: ShapeAssessment, say: Translator) -> Iterator[s
             yield say("With `bolts` what swings is judged in contact.")
 
 
+def stop_notes(v: ShapeAssessment, say: Translator) -> Iterator[str]:
+    """Yield under which loads the rubber is beyond its stop: what follows is a lower bound."""
+    cases = [o.case.when for o in v.case_results if o.case.stop_margin < 0]
+    cases += [e.when for e in v.duty_damage if e.stop_margin < 0]
+    if cases:
+        yield say(
+            "{cases}: rubber goes beyond its stop. Forces are lower bounds (≥), so stresses are at "
+            "least, and lives at most, those of linear rubber: no check of them passes.",
+            cases=say.join(*dict.fromkeys(map(say.occasion, cases))),
+        )
+
+
 def large_displacement_notes(v: ShapeAssessment, say: Translator) -> Iterator[str]:
     """Yield which cases move the seat by more than small strains can mean."""
     size = float(np.ptp(v.solved.nodes.points, axis=0).max())

@@ -34,6 +34,7 @@ from cardan.topics.bracket.phrases import (
     life_bounds_note,
     number_range_text,
     resonance_sentences,
+    stop_notes,
     uncertain_stress_notes,
     unknown_strength_notes,
     utilisation_label,
@@ -196,7 +197,11 @@ def _stresses(v: ShapeAssessment, say: Translator, width: int) -> Iterator[str]:
     if left > 0:
         milder = say.count("and {count} milder case", "and {count} milder cases", left)
         yield f"  {milder}: --json"
-    for told in (*joint_face_lift_off_notes(v, say), *large_displacement_notes(v, say)):
+    for told in (
+        *stop_notes(v, say),
+        *joint_face_lift_off_notes(v, say),
+        *large_displacement_notes(v, say),
+    ):
         yield from fold_lines([f"  {told}"], width)
 
 

@@ -218,6 +218,7 @@ def _life(of: BracketResult, e: DamageResult) -> dict[str, Any]:
         "life_hours": known(e.hours_to_failure),
         "life_hours_within": [known(x) for x in e.hours_bounds],
         "life_hours_kinder": known(e.favourable_hours),
+        **({"damage_is_lower_bound": True} if e.stop_margin < 0 else {}),
     }
 
 
@@ -233,6 +234,7 @@ def _case(of: BracketResult, v: ShapeAssessment, o: CaseResult) -> dict[str, Any
             if o.case.operating_point
             else {}
         ),
+        **({"is_lower_bound": True} if o.case.stop_margin < 0 else {}),
         "von_mises": found(o.von_mises),
         "max_principal": found(o.max_principal),
         "min_principal": found(o.min_principal),

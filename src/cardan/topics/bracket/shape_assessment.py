@@ -132,6 +132,7 @@ def assess_shape(
                 contact.slip_utilisation(
                     np.concatenate([_bare(case, ways[0]) for _, case in parts])
                 ),
+                stop_margin=min(case.stop_margin for _, case in parts),
             )
             for when, parts in duty.items()
             if parts

@@ -142,6 +142,7 @@ class BoltSlipUtilisation(NamedTuple):
     when: EvaluationCondition
     utilisation: float
     point: OperatingPoint | None = None
+    stop_margin: float = np.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,7 +198,7 @@ class ShapeAssessment:
     def bolt_slips(self) -> tuple[BoltSlipUtilisation, ...]:
         """What each case asks of the bolts, then what the duty cycle does."""
         cases = (
-            BoltSlipUtilisation(o.case.when, o.slip_utilisation, o.slip_point)
+            BoltSlipUtilisation(o.case.when, o.slip_utilisation, o.slip_point, o.case.stop_margin)
             for o in self.case_results
         )
         return (*(s for s in cases if not np.isnan(s.utilisation)), *self.duty_slips)

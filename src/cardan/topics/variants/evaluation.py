@@ -23,7 +23,7 @@ from cardan.core.arrays import BoolArray, FloatArray, IntArray
 from cardan.core.errors import DesignError, FileIssue, InvalidFileError
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.status import ProgressCallback, ignore_status
-from cardan.core.verdict import CHECK_GRADES, VERDICTS, Limit, Verdict
+from cardan.core.verdict import CHECK_GRADES, MARGIN_TOLERANCE, VERDICTS, Limit, Verdict
 from cardan.model import variants as model
 from cardan.model.adjustments import (
     ADJUSTMENTS,
@@ -96,6 +96,8 @@ class LimitResults:
         Margin to the maximum, whatever grade it comes to; nan where there is none.
     grades : (L, V)
     missed : (L, V)
+    bounded : (L, V)
+        Whether a value that does not fail is a lower bound: rubber is at its stop there.
     mass : (V,) kg
         Of all shafts; nan where one has no tube.
     refused : (V,)
@@ -109,6 +111,7 @@ class LimitResults:
     left: FloatArray
     grades: IntArray
     missed: BoolArray
+    bounded: BoolArray
     mass: FloatArray
     infeasible: BoolArray
     why: str = ""
@@ -190,7 +193,10 @@ class EvaluatedVariants:
 
     @cached_property
     def grades(self) -> IntArray:
-        """What each variant comes to, (V,) places in `VERDICTS`, as an approval has it."""
+        """What each variant comes to, (V,) places in `VERDICTS`, as an approval has it.
+
+        Incomplete where nothing fails and a value is a lower bound, of which an approval warns.
+        """
         elsewhere = not self.limits_restricted and is_required_limit_of_other_study_missing(
             self.installed
         )
@@ -200,6 +206,11 @@ class EvaluatedVariants:
     def verdicts(self) -> tuple[Verdict, ...]:
         """What each variant comes to."""
         return tuple(VERDICTS[g] for g in self.grades.tolist())
+
+    @cached_property
+    def shown_by_bounds_alone(self) -> BoolArray:
+        """Which variants do not fail, and have a value (V,) that is a lower bound."""
+        return (self.grades != VERDICTS.index("fail")) & self.results.bounded.any(axis=0)
 
     @cached_property
     def margins(self) -> FloatArray:
@@ -241,11 +252,15 @@ def is_required_limit_of_other_study_missing(installed: Approval) -> bool:
 
 
 def variant_verdicts(of: LimitResults, *, elsewhere: bool) -> IntArray:
-    """Return what variants come to, (V,) places in `VERDICTS`; what cannot exist fails."""
+    """Return what variants come to, (V,) places in `VERDICTS`; what cannot exist fails.
+
+    A lower bound within its limit shows nothing: that limit counts as not evaluated.
+    """
     places = np.array([VERDICTS.index(g) for g in CHECK_GRADES])
     known = np.where(of.grades == UNEVALUATED_GRADE_CODE, VERDICTS.index("pass"), places[of.grades])
     worst = known.max(axis=0, initial=0)
-    missed = of.missed.any(axis=0) | (of.grades == UNEVALUATED_GRADE_CODE).all(axis=0) | elsewhere
+    missed = (of.missed | of.bounded).any(axis=0) | elsewhere
+    missed = missed | (of.grades == UNEVALUATED_GRADE_CODE).all(axis=0)
     worst = np.where(missed, np.maximum(worst, VERDICTS.index("incomplete")), worst)
     return np.where(of.infeasible, VERDICTS.index("fail"), worst)
 
@@ -531,7 +546,7 @@ class VariantEvaluator:
             **{
                 f.name: np.concatenate([getattr(a, f.name) for a in found])
                 for f in fields(LimitResults)
-                if f.name in ("values", "margins", "left", "grades", "missed")
+                if f.name in ("values", "margins", "left", "grades", "missed", "bounded")
             },
             mass=sum((a.mass for a in found), np.zeros(count)),
         )
@@ -557,6 +572,7 @@ class VariantEvaluator:
             left=nothing,
             grades=np.full(nothing.shape, UNEVALUATED_GRADE_CODE),
             missed=np.zeros(nothing.shape, dtype=bool),
+            bounded=np.zeros(nothing.shape, dtype=bool),
             mass=np.array([np.nan]),
             infeasible=np.array([True]),
             why=why,
@@ -659,7 +675,8 @@ def _answers(
         every.setdefault(place, []).append(question)
     shape = (len(every), count)
     values, margins, left = (np.empty(shape) for _ in range(3))
-    grades, missed = np.empty(shape, dtype=int), np.empty(shape, dtype=bool)
+    grades = np.empty(shape, dtype=int)
+    missed, bounded = (np.empty(shape, dtype=bool) for _ in range(2))
     for k, alike in every.items():
         found, asks = (_side_by_side([getattr(q, n) for q in alike]) for n in ("values", "asks"))
         known = ~np.isnan(found)
@@ -677,6 +694,8 @@ def _answers(
         left[k] = np.where(np.isinf(least), np.nan, least)
         grades[k] = worst
         missed[k] = alike[0].limit.required & (asks & ~known).any(axis=-1)
+        beyond = _side_by_side([q.validity_margin for q in alike]) < -MARGIN_TOLERANCE
+        bounded[k] = (known & beyond & (graded != CHECK_GRADES.index("fail"))).any(axis=-1)
     mass = sum((np.asarray(s.mass, dtype=float) for s in response.line.shafts), np.zeros(()))
     return LimitResults(
         values=values,
@@ -684,6 +703,7 @@ def _answers(
         left=left,
         grades=grades,
         missed=missed,
+        bounded=bounded,
         mass=np.broadcast_to(mass.reshape(-1) if mass.ndim else mass, count).copy(),
         infeasible=np.zeros(count, dtype=bool),
     )

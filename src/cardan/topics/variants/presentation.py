@@ -122,6 +122,12 @@ def yield_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterat
             low=percent_text(low, say, 2),
             high=percent_text(high, say, 2),
         )
+    if of.lower_bound_share:
+        yield say(
+            "Not shown to pass: {share} do not fail, and have a value that is a lower bound (≥), "
+            "because rubber is at its stop. They count as incomplete.",
+            share=percent_text(of.lower_bound_share, say),
+        )
     if of.surrogate_yield:
         yield _foretold(of, say)
     elif of.variants.ask.foretold and of.count == of.requested_count:

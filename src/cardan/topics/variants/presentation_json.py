@@ -49,6 +49,7 @@ def json_document(of: VariantStudyResult) -> dict[str, Any]:
         "read_anew": list(of.evaluator.unvectorised_inputs),
         "shares": of.shares,
         "cannot_exist": int(counts["refused"]),
+        "lower_bounds_alone": of.lower_bound_share,
         "limits": [_limit(of, k) for k in range(len(of.limits))],
         "worst": [
             {

@@ -51,6 +51,8 @@ def _row_columns(rows: EvaluatedVariants, precision: str) -> dict[str, Any]:
         found[f"{name} grade"] = a.grades[k].astype(np.int8)
         if limit.required:
             found[f"{name} missed"] = a.missed[k]
+        if QUANTITIES[limit.quantity].validity_margin is not None:
+            found[f"{name} lower bound"] = a.bounded[k]
     found["refused"] = a.infeasible
     return found
 

@@ -121,6 +121,7 @@ class VerdictCounts:
             "alone": (fails & (fails.sum(axis=0) == 1)).sum(-1),
             "first": least,
             "refused": np.array(a.infeasible[own].sum()),
+            "bounded": np.array(rows.shown_by_bounds_alone[own].sum()),
         }
 
     def merge(self, one: StatisticState, other: StatisticState) -> StatisticState:

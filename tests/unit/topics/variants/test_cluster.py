@@ -31,7 +31,7 @@ torque_Nm: 3000
 driveline:
   slopes:
     side_deg: [3.0, 1.0, 4.5, 2.0]
-  joints: "1810"
+  joints: "1710"
   shafts:
     - length_mm: 1200
       tube: {outer_mm: 101.6, wall_mm: 3.2}
