@@ -105,16 +105,16 @@ def screen_candidates(
 ) -> ScreenedForces | None:
     """Return what a line nearly does at its candidates; or how far rubber gives, in m for N.
 
-    None of a line that is not on rubber, or has no point.
+    None of a line that is not on rubber, or has no point. Beside how far rubber gives, and beside
+    the candidates, nobody asks how far shafts reach.
     """
     if of is None or of.screening_model is None:
         return None
+    bare = of.screening_model.without_obstacles()
     first, reach = screened_forces_at(
-        mounts, of.curve_index, of.speed, of.screening_model, gives=gives
+        mounts, of.curve_index, of.speed, bare if gives else of.screening_model, gives=gives
     )
-    return ScreenedForces(
-        forces=_closer(mounts, first, of.screening_model, gives=gives), obstacle_reach=reach
-    )
+    return ScreenedForces(forces=_closer(mounts, first, bare, gives=gives), obstacle_reach=reach)
 
 
 def candidate_rows(mounts: LineOnMounts) -> PointRows:

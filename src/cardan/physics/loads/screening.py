@@ -10,6 +10,7 @@ Left out is the shafts' inertia, whose share is small where resonance is.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from math import prod
 from typing import Any, TypeAlias
 
@@ -244,6 +245,14 @@ class BearingForceScreeningModel:
         static, dynamic, peak, reach = np.split(sizes, np.arange(1, 4) * bearings, axis=-1)
         return ForceMagnitudes(static=static, dynamic=dynamic, peak=peak), ShaftReachIntoObstacles(
             reach=reach
+        )
+
+    def without_obstacles(self) -> "BearingForceScreeningModel":
+        """Return the same line with nothing in its way: what nobody reads is not computed."""
+        return replace(
+            self,
+            clearance=tuple(v[:0] for v in self.clearance),
+            approach_matrix=self.approach_matrix[:0],
         )
 
     @property
