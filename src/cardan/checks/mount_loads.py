@@ -109,6 +109,16 @@ class MountLoads:
 
     def _own_stop_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
         """Return the share of the travel to its own stop that each bearing has free."""
+        if kind not in self._own_stop_margins:
+            self._own_stop_margins[kind] = self._computed_stop_margin(kind)
+        return self._own_stop_margins[kind]
+
+    @cached_property
+    def _own_stop_margins(self) -> dict[str, FloatArray]:
+        """Those that were asked, by kind: every limit on forces asks."""
+        return {}
+
+    def _computed_stop_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
         on, worst = self.mounts.mounted_line, self.worst_bearing_forces
         stop = self.rubber_stop_travel
         none = np.ones((1, stop.shape[-1]))
