@@ -10,6 +10,7 @@ from cardan.checks.candidate_points import (
     CandidatePoints,
     ScreenedForces,
     candidate_points,
+    refined_candidates,
     screen_candidates,
 )
 from cardan.checks.line_on_mounts import LineOnMounts
@@ -51,14 +52,20 @@ class MountLoads:
         return screen_candidates(self.mounts, self.candidate_points)
 
     @cached_property
+    def refined_forces(self) -> OperatingPointResults | None:
+        """What bearings nearly carry there, and beside the worst of those points."""
+        of, found = self.candidate_points, self.screened_forces
+        return of and found and refined_candidates(self.mounts, of, found.forces)
+
+    @cached_property
     def worst_bearing_forces(self) -> dict[str, OperatingPointResults]:
         """The operating point at which each bearing's mean, orders and peak are largest."""
-        return search.worst_bearing_forces(self.mounts, self.candidate_points, self.screened_forces)
+        return search.worst_bearing_forces(self.mounts, self.candidate_points, self.refined_forces)
 
     @cached_property
     def worst_bearing_travel(self) -> OperatingPointResults | None:
         """The operating point at which each bearing goes farthest across its rubber, in m."""
-        return search.worst_bearing_travel(self.mounts, self.candidate_points)
+        return search.worst_bearing_travel(self.mounts, self.candidate_points, self.screened_forces)
 
     @cached_property
     def worst_obstacle_clearance(self) -> OperatingPointResults | None:
@@ -78,7 +85,7 @@ class MountLoads:
     def all_points(self) -> OperatingPointResults | None:
         """Return all points (P, ..., S) that bearings were asked at for the worst; None if none."""
         return search.all_bearing_operating_points(
-            self.mounts, self.candidate_points, self.screened_forces, self.worst_bearing_forces
+            self.mounts, self.candidate_points, self.refined_forces, self.worst_bearing_forces
         )
 
     def forces_with_other_loss_factors(self, assumed: FloatArray) -> BearingForces:
