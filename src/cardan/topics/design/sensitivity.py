@@ -28,6 +28,15 @@ MOUNT_DEPENDENT_QUANTITIES = {
 }
 """What other mounts answer."""
 
+_SEARCHED = {k for k in MOUNT_DEPENDENT_QUANTITIES if LINE_QUANTITIES[k].find_worst_points}
+
+QUANTITIES_BY_COST = (
+    LINE_QUANTITIES.keys() - MOUNT_DEPENDENT_QUANTITIES,
+    MOUNT_DEPENDENT_QUANTITIES - _SEARCHED,
+    _SEARCHED,
+)
+"""Cheapest first: without rubber, on rubber, and sought over operating points on rubber."""
+
 MIN_CLOSED_SHORTFALL_SHARE = 0.05
 """Share of the gap to a limit that a move closes at least, or it is no help."""
 
@@ -367,14 +376,15 @@ def _halved(
     Where the half helps as well, and spoils nothing: first nothing that costs little to know.
     """
     made = _made(lines[0], [*halves.values()])
-    harm = _spoilt(lines, made, made.moves, LINE_QUANTITIES.keys() - MOUNT_DEPENDENT_QUANTITIES)
-    left = [m for m in made.moves if m not in harm]
-    if not left:
-        return found
-    if harm:
-        made = _made(lines[0], left)
-    harm = _spoilt(lines, made, left, MOUNT_DEPENDENT_QUANTITIES)
-    halves = {m: half for m, half in halves.items() if half in left and half not in harm}
+    left = list(made.moves)
+    for quantities in QUANTITIES_BY_COST:
+        if len(left) <= len(made.moves) // 2:  # what is left out costs more than to begin anew
+            made = _made(lines[0], left)
+        harm = _spoilt(lines, made, left, quantities)
+        left = [m for m in left if m not in harm]
+        if not left:
+            return found
+    halves = {m: half for m, half in halves.items() if half in left}
     after: list[CheckSensitivity] = []
     for s in found:
         effects = list(s.effects)
