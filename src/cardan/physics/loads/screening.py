@@ -264,7 +264,7 @@ class BearingForceScreeningModel:
         cases = given[0].shape
         bearings = len(self.bearing_matrix) // 3
         count = 3 * bearings * len(kinds) + len(self.approach_matrix)
-        if len(cases) != 3 or prod(cases) <= CACHE_BLOCK_CASES:
+        if len(cases) != 3 or prod(cases) <= 2 * CACHE_BLOCK_CASES:
             sizes = np.empty((count, *cases))
             for some in cache_blocks(cases):
                 slice_case_block(sizes, some)[...] = self._some(
