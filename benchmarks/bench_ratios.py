@@ -3,14 +3,15 @@
     python benchmarks/bench_ratios.py [OTHER] [--turns 3] [--only check fix]
 
 OTHER is a folder with another build's `src`; without it the repository's commit `BASELINE` is
-taken. Each turn runs `import numpy`, the other build and this one, one after the other, on one
-thread of BLAS; the least of the turns counts, so that other work on the machine does not.
+taken. Each turn runs `import numpy`, the other build and this one, one after the other, in the
+environment as it is; the least of the turns counts, so that other work on the machine does not.
 """
 
 import argparse
 import os
 import subprocess
 import sys
+from compileall import compile_dir
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -44,8 +45,7 @@ def commands(folder: Path) -> dict[str, list[list[str]]]:
 
 def processor_seconds(source: Path | None, arguments: list[str]) -> float:
     """Return the processor time of a Python process, s, its system's share included."""
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
-    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # what is installed has its bytecode
+    environment = dict(os.environ)
     if source:
         environment["PYTHONPATH"] = str(source / "src")
     process = subprocess.Popen(
@@ -72,6 +72,8 @@ def main() -> None:
         # Both read the other build's files: what is new in this one's is unknown there.
         other = given.other or _exported(folder / "other")
         (folder / "examples").symlink_to(other.resolve() / "examples")
+        for source in (other, ROOT):  # what is installed has its bytecode
+            compile_dir(source / "src", quiet=1)
         print("| what | other, s | this, s | this over other | this over `import numpy` |")
         print("| --- | --- | --- | --- | --- |")
         for what, lines in commands(folder).items():
@@ -85,7 +87,7 @@ def _print_row(what: str, line: list[str], other: Path, turns: int) -> None:
         (other, ["-m", "cardan", *line]),
         (ROOT, ["-m", "cardan", *line]),
     ]
-    each = [[processor_seconds(*side) for side in sides] for _ in range(turns + 1)][1:]
+    each = [[processor_seconds(*side) for side in sides] for _ in range(turns)]
     numpy, was, now = map(min, zip(*each, strict=True))
     name = Path(line[1]).stem if what != "start" else "`check --help`"
     print(

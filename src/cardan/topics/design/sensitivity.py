@@ -155,21 +155,25 @@ class _MovedLine:
             self._limits[quantity] = tuple(evaluate_limits(self.response, quantities={quantity}))
         return self._limits[quantity]
 
-    def values(self, of: Check) -> FloatArray:
-        """Return what each move makes of the value of a check, in every state, (moves, S)."""
-        then, part = next(
-            (q, part)
-            for q in self.limits(of.quantity)
-            if q.limit == of.limit and of.part in q.parts
-            for part in [q.parts.index(of.part)]
-            if q.may_apply[:, part].any()
-        )
-        values = then.values[..., part]
+    def values(self, of: EvaluatedLimit, part: int) -> FloatArray:
+        """Return what each move makes of the value of a limit's part in every state, (moves, S)."""
+        values = of.values[..., part]
         return np.broadcast_to(values, (len(self.moves), values.shape[-1]))
+
+    def own_values(self, of: _FailedLimit, state: int) -> FloatArray:
+        """Return what each move makes of the value of a failed limit in one state, (moves,)."""
+        limit = self.limits(of.check.quantity)[of.question]
+        return self.values(limit, of.part)[:, state]
 
     def worst_values(self, of: Check) -> dict[AppliedAdjustment, float]:
         """Return what each move makes of the value of a check, in the worst state."""
-        values = self.values(of)
+        alike = [
+            (q, q.parts.index(of.part))
+            for q in self.limits(of.quantity)
+            if q.limit == of.limit and of.part in q.parts
+        ]  # parts may have equal ratings: then the one that applies to this part
+        applies = (pair for pair in alike if pair[0].may_apply[:, pair[1]].any())
+        values = self.values(*next(applies, alike[0]))
         margin = of.limit.margin(values, to="maximum" if of.grade == "fail" else "normal")
         worst = np.where(np.isnan(values), np.inf, margin).argmin(-1)
         found = values[np.arange(len(values)), worst].tolist()
@@ -249,9 +253,7 @@ def _effects_of_steps(
         return
     moves = _both_ways(movable, steps[:, : len(movable)])
     rows = [stepped.moves.index(m) for m in moves]
-    found = [
-        _effects_in_own_state(m, moves, stepped.values(m.check)[rows, m.state]) for m in missed
-    ]
+    found = [_effects_in_own_state(m, moves, stepped.own_values(m, m.state)[rows]) for m in missed]
     rest = [m for m, one in zip(missed, found, strict=True) if not one.helpful_effects]
     farther = iter(_effects_of_ends(response, rest, movable, ends))
     for one in found:
@@ -273,7 +275,7 @@ def _effects_of_ends(
     made = _made(line_response_in_states(response, within), moves)
     rows = [made.moves.index(m) for m in moves]
     return [
-        _effects_in_own_state(m, moves, made.values(m.check)[rows, within.index(m.state)])
+        _effects_in_own_state(m, moves, made.own_values(m, within.index(m.state))[rows])
         for m in missed
     ]
 
