@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -86,35 +87,43 @@ def candidate_points(mounts: LineOnMounts) -> CandidatePoints | None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ScreenedForces:
-    """What a line nearly does at points.
+    """What a line nearly does at its candidates.
 
     Attributes
     ----------
-    forces
-        What its bearings carry, or how far their rubber gives, there and beside the worst.
+    forces, travel
+        What its bearings carry, N; and how far their rubber gives, m.
     obstacle_reach
         How far its shafts reach into obstacles.
     """
 
     forces: OperatingPointResults
+    travel: OperatingPointResults
     obstacle_reach: OperatingPointResults
 
 
-def screen_candidates(
-    mounts: LineOnMounts, of: CandidatePoints | None, *, gives: bool = False
-) -> ScreenedForces | None:
-    """Return what a line nearly does at its candidates; or how far rubber gives, in m for N.
+def screen_candidates(mounts: LineOnMounts, of: CandidatePoints | None) -> ScreenedForces | None:
+    """Return what a line nearly does at its candidates.
 
     None of a line that is not on rubber, or has no point.
     """
     if of is None or of.screening_model is None:
         return None
-    first, reach = screened_forces_at(
-        mounts, of.curve_index, of.speed, of.screening_model, gives=gives
+    at, asked = _screening_inputs(mounts, of.curve_index, of.speed)
+    forces, travel, reach = (
+        _at_points(mounts, at, sizes)
+        for sizes in of.screening_model.bearing_forces_and_travel_at(**asked)
     )
-    return ScreenedForces(
-        forces=_closer(mounts, first, of.screening_model, gives=gives), obstacle_reach=reach
-    )
+    return ScreenedForces(forces=forces, travel=travel, obstacle_reach=reach)
+
+
+def refined_candidates(
+    mounts: LineOnMounts, of: CandidatePoints, tried: OperatingPointResults, *, gives: bool = False
+) -> OperatingPointResults:
+    """Return candidates tried, and points beside the worst of them; in m for N of what gives."""
+    assert of.screening_model is not None  # on which they were tried
+    # Beside the candidates nobody asks how far shafts reach.
+    return _closer(mounts, tried, of.screening_model.without_obstacles(), gives=gives)
 
 
 def candidate_rows(mounts: LineOnMounts) -> PointRows:
@@ -244,23 +253,37 @@ def screened_forces_at(
     gives: bool = False,
 ) -> tuple[OperatingPointResults, OperatingPointResults]:
     """Return nearly what bearings carry at points, curves and speeds (P, ..., S), and the reach."""
-    inputs, found = mounts.inputs, mounts.torque_curves
-    at = operating_points_on_curves(found, curve=curve, speed=speed)
-    told = drawn.bearing_forces_at(
-        at.torque,
-        speed=at.sense * at.speed,
-        on_axle=housing_torque_at_points(inputs.demand, at),
-        travel=np.asarray(axle_motion_at_points(inputs.demand, at).shift)[..., 2],
-        slip=inputs.spline_force_at(at.torque),
-        gives=gives,
-    )
+    at, asked = _screening_inputs(mounts, curve, speed)
     forces, reach = (
-        OperatingPointResults(
-            curves=found, curve_index=at.curve_index, speed=at.speed, torque=at.torque, results=of
-        )
-        for of in told
+        _at_points(mounts, at, sizes) for sizes in drawn.bearing_forces_at(**asked, gives=gives)
     )
     return forces, reach
+
+
+def _screening_inputs(
+    mounts: LineOnMounts, curve: IntArray, speed: FloatArray
+) -> tuple[LineOperatingPoints, dict[str, Any]]:
+    """Return points (P, ..., S), and what a screening model is given at them."""
+    inputs = mounts.inputs
+    at = operating_points_on_curves(mounts.torque_curves, curve=curve, speed=speed)
+    return at, {
+        "torque": at.torque,
+        "speed": at.sense * at.speed,
+        "on_axle": housing_torque_at_points(inputs.demand, at),
+        "travel": np.asarray(axle_motion_at_points(inputs.demand, at).shift)[..., 2],
+        "slip": inputs.spline_force_at(at.torque),
+    }
+
+
+def _at_points(mounts: LineOnMounts, at: LineOperatingPoints, sizes: Any) -> OperatingPointResults:
+    """Return sizes with the points that they are of."""
+    return OperatingPointResults(
+        curves=mounts.torque_curves,
+        curve_index=at.curve_index,
+        speed=at.speed,
+        torque=at.torque,
+        results=sizes,
+    )
 
 
 def _closer(

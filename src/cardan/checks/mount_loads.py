@@ -10,6 +10,7 @@ from cardan.checks.candidate_points import (
     CandidatePoints,
     ScreenedForces,
     candidate_points,
+    refined_candidates,
     screen_candidates,
 )
 from cardan.checks.line_on_mounts import LineOnMounts
@@ -52,14 +53,20 @@ class MountLoads:
         return screen_candidates(self.mounts, self.candidate_points)
 
     @cached_property
+    def refined_forces(self) -> OperatingPointResults | None:
+        """What bearings nearly carry there, and beside the worst of those points."""
+        of, found = self.candidate_points, self.screened_forces
+        return of and found and refined_candidates(self.mounts, of, found.forces)
+
+    @cached_property
     def worst_bearing_forces(self) -> dict[str, OperatingPointResults]:
         """The operating point at which each bearing's mean, orders and peak are largest."""
-        return search.worst_bearing_forces(self.mounts, self.candidate_points, self.screened_forces)
+        return search.worst_bearing_forces(self.mounts, self.candidate_points, self.refined_forces)
 
     @cached_property
     def worst_bearing_travel(self) -> OperatingPointResults | None:
         """The operating point at which each bearing goes farthest across its rubber, in m."""
-        return search.worst_bearing_travel(self.mounts, self.candidate_points)
+        return search.worst_bearing_travel(self.mounts, self.candidate_points, self.screened_forces)
 
     @cached_property
     def worst_obstacle_clearance(self) -> OperatingPointResults | None:
@@ -79,7 +86,7 @@ class MountLoads:
     def all_points(self) -> OperatingPointResults | None:
         """Return all points (P, ..., S) that bearings were asked at for the worst; None if none."""
         return search.all_bearing_operating_points(
-            self.mounts, self.candidate_points, self.screened_forces, self.worst_bearing_forces
+            self.mounts, self.candidate_points, self.refined_forces, self.worst_bearing_forces
         )
 
     def forces_with_other_loss_factors(self, assumed: FloatArray) -> BearingForces:
@@ -110,6 +117,16 @@ class MountLoads:
 
     def _own_stop_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
         """Return the share of the travel to its own stop that each bearing has free."""
+        if kind not in self._own_stop_margins:
+            self._own_stop_margins[kind] = self._computed_stop_margin(kind)
+        return self._own_stop_margins[kind]
+
+    @cached_property
+    def _own_stop_margins(self) -> dict[str, FloatArray]:
+        """Those that were asked, by kind: every limit on forces asks."""
+        return {}
+
+    def _computed_stop_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
         on, worst = self.mounts.mounted_line, self.worst_bearing_forces
         stop = self.rubber_stop_travel
         none = np.ones((1, stop.shape[-1]))

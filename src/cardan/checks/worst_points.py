@@ -15,7 +15,7 @@ from cardan.checks.candidate_points import (
     CandidatePoints,
     ScreenedForces,
     candidate_rows,
-    screen_candidates,
+    refined_candidates,
 )
 from cardan.checks.line_on_mounts import LineOnMounts, mounted_line_of, nan_where_no_point
 from cardan.checks.operating_envelope import (
@@ -60,7 +60,9 @@ FORCE_KINDS = ("static", "dynamic", "peak")
 
 
 def worst_bearing_forces(
-    mounts: LineOnMounts, candidates: CandidatePoints | None, screened: ScreenedForces | None
+    mounts: LineOnMounts,
+    candidates: CandidatePoints | None,
+    screened: OperatingPointResults | None,
 ) -> dict[str, OperatingPointResults]:
     """Return the point where each of `FORCE_KINDS` is largest on each bearing, (..., S, n-2).
 
@@ -71,7 +73,7 @@ def worst_bearing_forces(
     if candidates is None:
         return {}
     tried = (
-        screened.forces
+        screened
         if screened
         else mounts.bearing_forces_at_points(candidates.curve_index, candidates.speed)
     )
@@ -86,7 +88,7 @@ def worst_bearing_forces(
 def all_bearing_operating_points(
     mounts: LineOnMounts,
     candidates: CandidatePoints | None,
-    screened: ScreenedForces | None,
+    screened: OperatingPointResults | None,
     worst: Mapping[str, OperatingPointResults],
 ) -> OperatingPointResults | None:
     """Return all points (P, ..., S) that bearings were asked at for the worst; None without one.
@@ -95,7 +97,7 @@ def all_bearing_operating_points(
     """
     if candidates is None or not worst:
         return None
-    tried = screened.forces if screened else candidates
+    tried = screened or candidates
     rows = [(tried.curve_index, tried.speed), point_rows(*worst.values())]
     found = mounts.torque_curves
     return mounts.bearing_forces_at_points(
@@ -126,17 +128,17 @@ def bearing_forces_at_loss_factors(
 
 
 def worst_bearing_travel(
-    mounts: LineOnMounts, candidates: CandidatePoints | None
+    mounts: LineOnMounts, candidates: CandidatePoints | None, screened: ScreenedForces | None
 ) -> OperatingPointResults | None:
     """Return the point where each bearing goes farthest across its rubber, (..., S, n-2) m.
 
     Another one than that of its `worst` peak where rubber gives one way more than the other.
     None where the line is not on rubber, or has no point.
     """
-    found = screen_candidates(mounts, candidates, gives=True)
-    if found is None:
+    if candidates is None or screened is None:
         return None
-    seeds = largest_points(found.forces, "peak", 2)
+    found = refined_candidates(mounts, candidates, screened.travel, gives=True)
+    seeds = largest_points(found, "peak", 2)
     curve, speed = gather_points(mounts.torque_curves, [without_repeats(*point_rows(*seeds))])
     return largest_point(mounts.bearing_forces_at_points(curve, speed, gives=True), "peak")
 

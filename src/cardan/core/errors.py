@@ -12,11 +12,12 @@ A wrong argument in code is a plain `ValueError`.
 
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING
 
 from cardan.core.lazy_dataclass import dataclass
+
+if TYPE_CHECKING:  # the command line imports this before it tells NumPy how many threads to use
+    import numpy.typing as npt
 
 
 class CardanError(Exception):
@@ -55,13 +56,17 @@ class MissingDependencyError(CardanError):
 
 
 def values_of_first_violating_case(
-    kept: npt.ArrayLike, *values: npt.ArrayLike
+    kept: "npt.ArrayLike", *values: "npt.ArrayLike"
 ) -> tuple[float, ...] | None:
     """Return the values of the first case that a condition does not keep; None if it keeps all.
 
     Conditions are comparisons that nan does not pass.
     """
-    if kept is True or np.all(kept):  # of one number NumPy takes longer than all the rest
+    if kept is True:  # of one number NumPy takes longer than all the rest
+        return None
+    import numpy as np
+
+    if np.all(kept):
         return None
     spread = np.broadcast_arrays(kept, *values)
     first = np.argmin(spread[0])

@@ -22,6 +22,19 @@ def run(*line: str, **environment: str):
     return CliRunner().invoke(cli, line, env=environment)
 
 
+def test_numpy_is_imported_after_its_threads_are_set():
+    """Set later, OpenBLAS starts threads of its own: a check took a quarter more of a processor."""
+    code = (
+        "import os, sys; import cardan.cli; "
+        "assert 'numpy' not in sys.modules; print(os.environ['OPENBLAS_NUM_THREADS'])"
+    )
+    environment = {k: v for k, v in os.environ.items() if k != "OPENBLAS_NUM_THREADS"}
+    said = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=False
+    )
+    assert (said.returncode, said.stdout) == (0, "1\n"), said.stderr
+
+
 def test_help_lists_every_command_once_with_its_whole_summary():
     said = run("--help").stdout
     rows = [row.split()[0] for row in said.splitlines() if row.startswith("  ") and row[2] != " "]

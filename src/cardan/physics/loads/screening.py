@@ -10,6 +10,7 @@ Left out is the shafts' inertia, whose share is small where resonance is.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from math import prod
 from typing import Any, TypeAlias
 
@@ -227,23 +228,64 @@ class BearingForceScreeningModel:
         gives
             Return how far rubber gives across the shafts, in m for N, weight apart.
         """
+        given = torque, speed, on_axle, travel, slip
+        (found,), reach = self._sizes_at(*given, kinds=(gives,))
+        return found, reach
+
+    def bearing_forces_and_travel_at(
+        self,
+        torque: ArrayLike,
+        *,
+        speed: ArrayLike,
+        on_axle: ArrayLike,
+        travel: ArrayLike,
+        slip: ArrayLike,
+    ) -> tuple[ForceMagnitudes, ForceMagnitudes, ShaftReachIntoObstacles]:
+        """Return `bearing_forces_at` in N, then in m, and the reach: the line is solved once."""
+        (forces, gone), reach = self._sizes_at(
+            torque, speed, on_axle, travel, slip, kinds=(False, True)
+        )
+        return forces, gone, reach
+
+    def _sizes_at(
+        self,
+        torque: ArrayLike,
+        speed: ArrayLike,
+        on_axle: ArrayLike,
+        travel: ArrayLike,
+        slip: ArrayLike,
+        *,
+        kinds: tuple[bool, ...],
+    ) -> tuple[list[ForceMagnitudes], ShaftReachIntoObstacles]:
+        """Return sizes at points by `kinds`, what rubber gives where True; and the reach."""
         there = ~np.isnan(torque)
         ride = self.axle_positions.normalised_coordinates(on_axle, travel)
         given = np.broadcast_arrays(*(np.nan_to_num(v) for v in (torque, speed, *ride, slip)))
         cases = given[0].shape
-        if len(cases) != 3 or prod(cases) <= CACHE_BLOCK_CASES:
-            sizes = np.empty((self._told, *cases))
+        bearings = len(self.bearing_matrix) // 3
+        count = 3 * bearings * len(kinds) + len(self.approach_matrix)
+        if len(cases) != 3 or prod(cases) <= 2 * CACHE_BLOCK_CASES:
+            sizes = np.empty((count, *cases))
             for some in cache_blocks(cases):
                 slice_case_block(sizes, some)[...] = self._some(
-                    some, *(slice_case_block(v, some) for v in given), gives=gives
+                    some, *(slice_case_block(v, some) for v in given), kinds=kinds
                 )
         else:
-            sizes = self._packed(np.broadcast_to(there, cases), given, gives=gives)
+            sizes = self._packed(np.broadcast_to(there, cases), given, count, kinds=kinds)
         sizes = np.moveaxis(sizes + np.where(there, 0.0, np.nan), 0, -1)
-        bearings = len(self.bearing_matrix) // 3
-        static, dynamic, peak, reach = np.split(sizes, np.arange(1, 4) * bearings, axis=-1)
-        return ForceMagnitudes(static=static, dynamic=dynamic, peak=peak), ShaftReachIntoObstacles(
-            reach=reach
+        *each, reach = np.split(sizes, np.arange(1, 3 * len(kinds) + 1) * bearings, axis=-1)
+        found = [
+            ForceMagnitudes(static=static, dynamic=dynamic, peak=peak)
+            for static, dynamic, peak in zip(each[::3], each[1::3], each[2::3], strict=True)
+        ]
+        return found, ShaftReachIntoObstacles(reach=reach)
+
+    def without_obstacles(self) -> "BearingForceScreeningModel":
+        """Return the same line with nothing in its way: what nobody reads is not computed."""
+        return replace(
+            self,
+            clearance=tuple(v[:0] for v in self.clearance),
+            approach_matrix=self.approach_matrix[:0],
         )
 
     @property
@@ -255,23 +297,25 @@ class BearingForceScreeningModel:
             strict=True,
         )
 
-    @property
-    def _told(self) -> int:
-        """How many sizes there are: three of each bearing, one of each place that faces what."""
-        return len(self.bearing_matrix) + len(self.approach_matrix)
-
-    def _packed(self, there: BoolArray, given: Sequence[FloatArray], *, gives: bool) -> FloatArray:
-        """Return sizes (X, P, V, S), state by state: one has many points, another few."""
+    def _packed(
+        self,
+        there: BoolArray,
+        given: Sequence[FloatArray],
+        sizes: int,
+        *,
+        kinds: tuple[bool, ...],
+    ) -> FloatArray:
+        """Return so many sizes (X, P, V, S), state by state: one has many points, another few."""
         packs, counts, place = move_valid_points_to_front(there, *given)
         packs = [np.ascontiguousarray(np.moveaxis(v, -1, 0)) for v in packs]
-        found = np.zeros((self._told, *packs[0].shape))
+        found = np.zeros((sizes, *packs[0].shape))
         for state, count in enumerate(counts.tolist()):
             step = max(1, CACHE_BLOCK_CASES // max(count, 1))
             for start in range(0, there.shape[1], step) if count else ():
                 some = slice(start, start + step)
                 each = (v[state, :count, some, None] for v in packs)
                 found[:, state, :count, some] = self._some(
-                    (some, slice(state, state + 1)), *each, gives=gives
+                    (some, slice(state, state + 1)), *each, kinds=kinds
                 )[..., 0]
         _, variant, state = broadcastable_axis_indices(there.shape)
         return found[:, state, place, variant]
@@ -364,9 +408,20 @@ class BearingForceScreeningModel:
         return tuple(forces), tuple(moves)
 
     def _some(
-        self, some: CaseBlockSlices, T: Any, omega: Any, x: Any, y: Any, slip: Any, *, gives: bool
+        self,
+        some: CaseBlockSlices,
+        T: Any,
+        omega: Any,
+        x: Any,
+        y: Any,
+        slip: Any,
+        *,
+        kinds: tuple[bool, ...],
     ) -> FloatArray:
-        """Return mean, orders, peak and reach (X, P, ...) N, or m, of a stretch of the cases."""
+        """Return mean, orders and peak of each kind, and reach, of a stretch of the cases.
+
+        (X, P, ...) N, or m of what rubber gives, where a kind is True.
+        """
 
         def own(values: Any, of: int) -> Any:
             return slice_case_block(broadcast_cases(values, T.ndim, of=of), some)
@@ -385,29 +440,34 @@ class BearingForceScreeningModel:
         firm = springs * (1 + 1j * np.sign(omega) * own(self.loss, 1))
         weight = bent(self.weight_forces)
         drawn, moved = self._thrust(T, slip, own)
-        if gives:
-            soft = own(self.rubber_compliance, 1)
-            r0, r2, weight = soft * r0, soft * r2, 0.0 * weight
-            drawn = tuple(soft * more for more in drawn)
-            springs = firm = soft * springs  # what rubber loses turns its force, not its motion
-        mean = r0 + weight + springs * matrix_product(rows, q0)
-        static = np.maximum.reduce([_size(mean + more) for more in (0.0, *drawn)])
-        dynamic = _axis(r2 + firm * matrix_product(rows, q2)) + _axis(
-            firm * matrix_product(rows, q4)
-        )
-        peak = static + dynamic
         nearer = own(self.approach_matrix, 2)
         reach = matrix_product(nearer, q0) - bent(self.clearance)
         reach = reach + np.maximum.reduce([0 * reach, *(matrix_product(nearer, q) for q in moved)])
         reach += np.abs(matrix_product(nearer, q2)) + np.abs(matrix_product(nearer, q4))
+        off = None
         if self.unbalance_excitation is not None:
             moved = solve(
                 line.dynamic_stiffness(omega, omega, T),
                 omega**2 * own(self.unbalance_excitation, 2),
             )
-            peak = peak + _axis(firm[:, None] * matrix_product(rows, moved)).sum(axis=1)
+            off = matrix_product(rows, moved)
             reach += np.abs(matrix_product(nearer, moved)).sum(axis=1)
-        return np.concatenate([static, dynamic, peak, reach])
+        still, twice, fourth = (matrix_product(rows, q) for q in (q0, q2, q4))
+        found: list[FloatArray] = []
+        for gives in kinds:
+            if gives:
+                soft = own(self.rubber_compliance, 1)
+                r0, r2, weight = soft * r0, soft * r2, 0.0 * weight
+                drawn = tuple(soft * more for more in drawn)
+                springs = firm = soft * springs  # what rubber loses turns its force, not its motion
+            mean = r0 + weight + springs * still
+            static = np.maximum.reduce([_size(mean + more) for more in (0.0, *drawn)])
+            dynamic = _axis(r2 + firm * twice) + _axis(firm * fourth)
+            peak = static + dynamic
+            if off is not None:
+                peak = peak + _axis(firm[:, None] * off).sum(axis=1)
+            found += [static, dynamic, peak]
+        return np.concatenate([*found, reach])
 
 
 def bearing_force_screening_model(

@@ -1,13 +1,13 @@
 """What each thing that can be moved does to each check that does not pass."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
 from cardan.approval.applied_adjustments import (
     AppliedAdjustment,
-    affected_lines,
     allowed_adjustments,
     alternative_mount_adjustments,
     evaluate_adjustments,
@@ -27,6 +27,15 @@ MOUNT_DEPENDENT_QUANTITIES = {
     key for key, quantity in LINE_QUANTITIES.items() if quantity.depends_on_mounts
 }
 """What other mounts answer."""
+
+_SEARCHED = {k for k in MOUNT_DEPENDENT_QUANTITIES if LINE_QUANTITIES[k].find_worst_points}
+
+QUANTITIES_BY_COST = (
+    LINE_QUANTITIES.keys() - MOUNT_DEPENDENT_QUANTITIES,
+    MOUNT_DEPENDENT_QUANTITIES - _SEARCHED,
+    _SEARCHED,
+)
+"""Cheapest first: without rubber, on rubber, and sought over operating points on rubber."""
 
 MIN_CLOSED_SHORTFALL_SHARE = 0.05
 """Share of the gap to a limit that a move closes at least, or it is no help."""
@@ -107,7 +116,7 @@ def check_sensitivities(
     Of every line, or of one. Worst margin first. What nothing can move shows no effects.
     """
     of = [r for r in approval.line_responses if line in (None, r.line.name)]
-    found = [s for r in of for s in _weighed(r, list(_of_line(r, approval.checks)))]
+    found = [s for r in of for s in _of_line(_turned_by_shims(r, approval), approval.checks)]
     return tuple(sorted(found, key=lambda s: worst_first_key(s.check)))
 
 
@@ -125,104 +134,203 @@ class _FailedLimit:
     states: tuple[str, ...]
 
 
-def _of_line(response: LineResponse, every: Iterable[Check]) -> Iterator[CheckSensitivity]:
-    """Yield the sensitivities of one line.
+@dataclass(frozen=True, kw_only=True)
+class _MovedLine:
+    """A line with each of some moves made by itself: moves on the first axis, then states.
 
-    What is sought on rubber is dear, so it is asked by itself, in fewer states.
+    A quantity is computed where it is first read.
     """
-    name = response.line.name
-    bad = {c.quantity for c in every if c.line == name and c.grade != "pass"}
-    movable = allowed_adjustments(response)
-    yield from _moved(response, bad - MOUNT_DEPENDENT_QUANTITIES, movable)
-    yield from _moved(
-        response,
-        bad & MOUNT_DEPENDENT_QUANTITIES,
-        movable + alternative_mount_adjustments(response),
+
+    moves: tuple[AppliedAdjustment, ...]
+    response: LineResponse
+
+    @cached_property
+    def _limits(self) -> dict[str, tuple[EvaluatedLimit, ...]]:
+        """Limits that were read, by quantity."""
+        return {}
+
+    def limits(self, quantity: str) -> tuple[EvaluatedLimit, ...]:
+        """Return the limits of a quantity with their values."""
+        if quantity not in self._limits:
+            self._limits[quantity] = tuple(evaluate_limits(self.response, quantities={quantity}))
+        return self._limits[quantity]
+
+    def values(self, of: EvaluatedLimit, part: int) -> FloatArray:
+        """Return what each move makes of the value of a limit's part in every state, (moves, S)."""
+        values = of.values[..., part]
+        return np.broadcast_to(values, (len(self.moves), values.shape[-1]))
+
+    def own_values(self, of: _FailedLimit, state: int) -> FloatArray:
+        """Return what each move makes of the value of a failed limit in one state, (moves,)."""
+        limit = self.limits(of.check.quantity)[of.question]
+        return self.values(limit, of.part)[:, state]
+
+    def worst_values(self, of: Check) -> dict[AppliedAdjustment, float]:
+        """Return what each move makes of the value of a check, in the worst state."""
+        alike = [
+            (q, q.parts.index(of.part))
+            for q in self.limits(of.quantity)
+            if q.limit == of.limit and of.part in q.parts
+        ]  # parts may have equal ratings: then the one that applies to this part
+        applies = (pair for pair in alike if pair[0].may_apply[:, pair[1]].any())
+        values = self.values(*next(applies, alike[0]))
+        margin = of.limit.margin(values, to="maximum" if of.grade == "fail" else "normal")
+        worst = np.where(np.isnan(values), np.inf, margin).argmin(-1)
+        found = values[np.arange(len(values)), worst].tolist()
+        return dict(zip(self.moves, found, strict=True))
+
+
+def _turned_by_shims(response: LineResponse, approval: Approval) -> tuple[LineResponse, ...]:
+    """Return a line as it stands, then those that leave its axle."""
+    installed = response.demand.installed
+    return response, *(
+        r for r in approval.line_responses if r.demand.installed.starts_at_axle_of(installed)
     )
 
 
-def _moved(
-    response: LineResponse, quantities: set[str], movable: tuple[PermittedAdjustment, ...]
-) -> Iterator[CheckSensitivity]:
-    """Yield those of some quantities, from one batch of things moved back and forth.
+def _of_line(lines: Sequence[LineResponse], every: Iterable[Check]) -> Iterator[CheckSensitivity]:
+    """Yield the sensitivities of the first of some lines; others turn with its shim.
 
-    What no step helps is asked again at the ends of the ranges: a speed between two modes has
-    to pass one of them, and a step may be too short for that.
+    One batch, in all states, holds a step of each thing back and forth. What is sought on rubber
+    is dear: other mounts are in it only where something on rubber does not pass, and then its
+    side effects need no second batch.
     """
-    missed = list(_missed(response, quantities))
-    ends = np.array([_range(response, a) for a in movable]).reshape(-1, 2).T
+    response = lines[0]
+    name = response.line.name
+    bad = {c.quantity for c in every if c.line == name and c.grade != "pass"}
+    on_mounts = bad & MOUNT_DEPENDENT_QUANTITIES
+    allowed = allowed_adjustments(response)
+    movable = allowed + (alternative_mount_adjustments(response) if on_mounts else ())
+    missed = list(_missed(response, bad - on_mounts))
+    missed_on_mounts = list(_missed(response, on_mounts))
+    if not (missed or missed_on_mounts):
+        return
+    if not movable:
+        yield from (_without_effects(m) for m in (*missed, *missed_on_mounts))
+        return
+    ends = np.array([_range(response, a) for a in movable]).T
     of = [ADJUSTMENTS[a.adjustment_key] for a in movable]
     steps = np.array(
         [np.inf if m.extremes_only else m.probe_step for m in of]
     )  # a choice has no between
-    found = _asked(response, missed, movable, *np.clip(ends, -steps, steps))
-    rest = [k for k, one in enumerate(found) if not one.helpful_effects]
-    farther = _asked(response, [missed[k] for k in rest], movable, *ends)
-    better = {k: one for k, one in zip(rest, farther, strict=True) if one.helpful_effects}
-    yield from (better.get(k, one) for k, one in enumerate(found))
+    steps = np.clip(ends, -steps, steps)
+    stepped = _made(response, _both_ways(movable, steps))
+    found = [
+        s
+        for some, those in ((missed, allowed), (missed_on_mounts, movable))
+        for s in _effects_of_steps(response, stepped, some, those, steps, ends)
+    ]
+    yield from _weighed(lines, found, stepped if missed_on_mounts else None)
 
 
-def _asked(
+def _both_ways(
+    movable: tuple[PermittedAdjustment, ...], amounts: FloatArray
+) -> list[AppliedAdjustment]:
+    """Return things moved back by amounts (2, movable), then all of them forth."""
+    return [
+        AppliedAdjustment(adjustable=a, amount=amount)
+        for way in amounts.tolist()
+        for a, amount in zip(movable, way, strict=True)
+    ]
+
+
+def _effects_of_steps(
+    response: LineResponse,
+    stepped: _MovedLine,
+    missed: list[_FailedLimit],
+    movable: tuple[PermittedAdjustment, ...],
+    steps: FloatArray,
+    ends: FloatArray,
+) -> Iterator[CheckSensitivity]:
+    """Yield what a step of each thing does to what is missed, in its own state.
+
+    `steps` and `ends` (2, things) begin with those of the things that are `movable`. What no step
+    helps is evaluated again at the ends of the ranges, in fewer states: a speed between two modes
+    has to pass one of them, and a step may be too short for that.
+    """
+    if not movable:
+        yield from (_without_effects(m) for m in missed)
+        return
+    moves = _both_ways(movable, steps[:, : len(movable)])
+    rows = [stepped.moves.index(m) for m in moves]
+    found = [_effects_in_own_state(m, moves, stepped.own_values(m, m.state)[rows]) for m in missed]
+    rest = [m for m, one in zip(missed, found, strict=True) if not one.helpful_effects]
+    farther = iter(_effects_of_ends(response, rest, movable, ends))
+    for one in found:
+        end = one if one.helpful_effects else next(farther)
+        yield end if end.helpful_effects else one
+
+
+def _effects_of_ends(
     response: LineResponse,
     missed: list[_FailedLimit],
     movable: tuple[PermittedAdjustment, ...],
-    low: FloatArray,
-    high: FloatArray,
+    ends: FloatArray,
 ) -> list[CheckSensitivity]:
-    """Return what moving each thing by amounts (movable,) back and forth does to what is missed."""
-    if not (missed and movable):
-        return [CheckSensitivity(check=m.check, states=m.states, effects=()) for m in missed]
+    """Return what moving each thing to the ends of its range does to what is missed."""
+    if not missed:
+        return []
     within = _deciding(response, {m.state for m in missed})
-    line = evaluate_adjustments(
-        line_response_in_states(response, within),
-        movable,
-        np.concatenate([np.diag(low), np.diag(high)]),
-    )
-    questions = {
-        key: list(evaluate_limits(line, quantities={key}))
-        for key in {m.check.quantity for m in missed}
-    }
-    found: list[CheckSensitivity] = []
-    for m in missed:
-        question = questions[m.check.quantity][m.question]
-        values = question.values[..., within.index(m.state), m.part]
-        back, forth = np.broadcast_to(values, (2 * len(movable),)).reshape(2, -1).tolist()
-        effects = tuple(
-            AdjustmentEffect(adjustable=a, low=down, high=up, back=lower, forth=upper)
-            for a, down, up, lower, upper in zip(
-                movable, low.tolist(), high.tolist(), back, forth, strict=True
+    moves = _both_ways(movable, ends[:, : len(movable)])
+    made = _made(line_response_in_states(response, within), moves)
+    rows = [made.moves.index(m) for m in moves]
+    return [
+        _effects_in_own_state(m, moves, made.own_values(m, within.index(m.state))[rows])
+        for m in missed
+    ]
+
+
+def _effects_in_own_state(
+    missed: _FailedLimit, moves: Sequence[AppliedAdjustment], values: FloatArray
+) -> CheckSensitivity:
+    """Return what moves, back and then forth, with their values do, most helpful first."""
+    count = len(moves) // 2
+    back, forth = values.reshape(2, -1).tolist()
+    one = CheckSensitivity(
+        check=missed.check,
+        states=missed.states,
+        effects=tuple(
+            AdjustmentEffect(
+                adjustable=down.adjustable, low=down.amount, high=up.amount, back=lower, forth=upper
             )
-        )
-        one = CheckSensitivity(check=m.check, states=m.states, effects=effects)
-        moving = (
-            e for e in one.effects if abs(e.back - e.forth) > 0 or one.best_margin_gain(e) > 0
-        )
-        found.append(
-            replace(one, effects=tuple(sorted(moving, key=one.best_margin_gain, reverse=True)))
-        )
-    return found
+            for down, up, lower, upper in zip(
+                moves[:count], moves[count:], back, forth, strict=True
+            )
+        ),
+    )
+    moving = (e for e in one.effects if abs(e.back - e.forth) > 0 or one.best_margin_gain(e) > 0)
+    return replace(one, effects=tuple(sorted(moving, key=one.best_margin_gain, reverse=True)))
 
 
-def _weighed(response: LineResponse, found: list[CheckSensitivity]) -> Iterator[CheckSensitivity]:
+def _without_effects(missed: _FailedLimit) -> CheckSensitivity:
+    return CheckSensitivity(check=missed.check, states=missed.states, effects=())
+
+
+def _weighed(
+    lines: Sequence[LineResponse], found: list[CheckSensitivity], stepped: _MovedLine | None
+) -> Iterator[CheckSensitivity]:
     """Yield the sensitivities of a line with what each move that helps comes to in all states.
 
-    And what it would spoil.
+    And what it would spoil. Moves that are `stepped` are evaluated already.
     """
-    ways = [
+    ways = dict.fromkeys(
         AppliedAdjustment(adjustable=e.adjustable, amount=amount)
         for s in found
         for e in s.effects
         for amount, value in e.amounts_and_values
         if s.closes_gap(value)
-    ]
-    ways = [*dict.fromkeys(ways)]
-    made = _made(response, ways) if ways else response
-    found = [_everywhere(s, ways, made) for s in found]
-    spoilt = _spoilt(response, ways, made) if ways else {}
+    )
+    known = {} if stepped is None else dict.fromkeys(stepped.moves)
+    more = [m for m in ways if m not in known]
+    made = [*([stepped] if stepped else []), *([_made(lines[0], more)] if more else [])]
+    found = [_everywhere(s, made) for s in found]
     helps = dict.fromkeys(s.best_adjustment(e)[0] for s in found for e in s.helpful_effects)
-    halves = {move: half for move in spoilt if move in helps and (half := _half(move))}
+    spoilt: dict[AppliedAdjustment, Check] = {}
+    for some in made:
+        spoilt |= _spoilt(lines, some, [m for m in some.moves if m in helps])
+    halves = {move: half for move in spoilt if (half := _half(move))}
     if halves:
-        found = _halved(response, found, halves)
+        found = _halved(lines, found, halves)
     for s in found:
         helpful = [
             replace(e, side_effect=spoilt.get(s.best_adjustment(e)[0])) for e in s.helpful_effects
@@ -234,13 +342,11 @@ def _weighed(response: LineResponse, found: list[CheckSensitivity]) -> Iterator[
         yield replace(s, effects=(*helpful, *others))
 
 
-def _everywhere(
-    s: CheckSensitivity, ways: Sequence[AppliedAdjustment], made: LineResponse
-) -> CheckSensitivity:
+def _everywhere(s: CheckSensitivity, lines: Sequence[_MovedLine]) -> CheckSensitivity:
     """Return a sensitivity with what helps in its own state as it is in the worst of all."""
     if not s.helpful_effects:
         return s
-    value = dict(zip(ways, _values(made, s.check, len(ways)), strict=True))
+    value = {m: v for line in lines for m, v in line.worst_values(s.check).items()}
 
     def told(e: AdjustmentEffect, amount: float, own: float) -> float:
         move = AppliedAdjustment(adjustable=e.adjustable, amount=amount)
@@ -263,25 +369,31 @@ def _half(move: AppliedAdjustment) -> AppliedAdjustment | None:
 
 
 def _halved(
-    response: LineResponse,
+    lines: Sequence[LineResponse],
     found: list[CheckSensitivity],
     halves: dict[AppliedAdjustment, AppliedAdjustment],
 ) -> list[CheckSensitivity]:
     """Return the sensitivities with half a move in place of a whole one that spoils something.
 
-    Where the half helps as well, and spoils nothing.
+    Where the half helps as well, and spoils nothing: first nothing that costs little to know.
     """
-    amounts = [*halves.values()]
-    made = _made(response, amounts)
-    harm = _spoilt(response, amounts, made)
-    place = {move: k for k, (move, half) in enumerate(halves.items()) if half not in harm}
+    made = _made(lines[0], [*halves.values()])
+    left = list(made.moves)
+    for quantities in QUANTITIES_BY_COST:
+        if len(left) <= len(made.moves) // 2:  # what is left out costs more than to begin anew
+            made = _made(lines[0], left)
+        harm = _spoilt(lines, made, left, quantities)
+        left = [m for m in left if m not in harm]
+        if not left:
+            return found
+    halves = {m: half for m, half in halves.items() if half in left}
     after: list[CheckSensitivity] = []
     for s in found:
         effects = list(s.effects)
-        whole = {k: m for k, e in enumerate(effects) if (m := s.best_adjustment(e)[0]) in place}
-        values = _values(made, s.check, len(amounts)) if whole else []
+        whole = {k: m for k, e in enumerate(effects) if (m := s.best_adjustment(e)[0]) in halves}
+        values = made.worst_values(s.check) if whole else {}
         for k, m in whole.items():
-            e, half, value = effects[k], halves[m], values[place[m]]
+            e, half, value = effects[k], halves[m], values[halves[m]]
             less = replace(
                 e, **({"low": half.amount, "back": value} if half.amount < 0
                       else {"high": half.amount, "forth": value})
@@ -297,50 +409,44 @@ def _halved(
     return after
 
 
-def _values(made: LineResponse, of: Check, count: int) -> list[float]:
-    """Return what each of so many moves makes of the value of a check, in the worst state."""
-    then = next(
-        q
-        for q in evaluate_limits(made, quantities={of.quantity})
-        if q.limit == of.limit and of.part in q.parts
-    )
-    values = then.values[..., then.parts.index(of.part)]
-    values = np.broadcast_to(values, (count, values.shape[-1]))
-    margin = of.limit.margin(values, to="maximum" if of.grade == "fail" else "normal")
-    worst = np.where(np.isnan(values), np.inf, margin).argmin(-1)
-    return values[np.arange(count), worst].tolist()
-
-
-def _made(response: LineResponse, moves: Sequence[AppliedAdjustment]) -> LineResponse:
+def _made(response: LineResponse, moves: Iterable[AppliedAdjustment]) -> _MovedLine:
     """Return a line with each of some moves made by itself."""
+    moves = tuple(dict.fromkeys(moves))
     movable = tuple(dict.fromkeys(m.adjustable for m in moves))
     amounts = np.array([[m.amount * (m.adjustable == a) for a in movable] for m in moves])
-    return evaluate_adjustments(response, movable, amounts)
+    return _MovedLine(moves=moves, response=evaluate_adjustments(response, movable, amounts))
 
 
 def _spoilt(
-    response: LineResponse, moves: Sequence[AppliedAdjustment], made: LineResponse
+    lines: Sequence[LineResponse],
+    made: _MovedLine,
+    moves: Sequence[AppliedAdjustment],
+    quantities: Container[str] = LINE_QUANTITIES,
 ) -> dict[AppliedAdjustment, Check]:
-    """Return the worst check of each move that spoils what a line keeps as it stands.
+    """Return the worst check of each of some moves that spoils what a line keeps as it stands.
 
-    Or what one keeps that leaves its axle, which a shim turns. A limit of a part is spoilt that
-    warns or fails in some state, and was not as bad in any.
+    Or what one keeps that leaves its axle, which a shim turns: `lines` after the first. A limit
+    of a part is spoilt that warns or fails in some state, and was not as bad in any.
     """
     found: dict[AppliedAdjustment, Check] = {}
-    shims = [m for m in moves if m.adjustable.adjustment_key == "shim"]
-    _, *behind = affected_lines(response, [m.adjustable for m in shims])
-    others = [(r, _made(r, shims), shims) for r in behind]
-    for line, after, of in [(response, made, moves), *others]:
-        for now, then in zip(evaluate_limits(line), evaluate_limits(after), strict=True):
-            values, holds = (
-                np.broadcast_to(v, (len(of), *now.values.shape))
-                for v in (then.values, then.validity_margin)
-            )
-            then = replace(then, values=values, validity_margin=holds, worst_points=None)
-            for k, p in np.argwhere(_worst_grades(then) > _worst_grades(now)).tolist():
-                one, move = replace(then, values=values[k], validity_margin=holds[k]), of[k]
-                checks = (check_limit_at_part(line, one, s, p) for s in range(values.shape[1]))
-                found[move] = min((c for c in (found.get(move), *checks) if c), key=worst_first_key)
+    pairs = [(lines[0], made, moves)] if moves else []
+    if shims := [m for m in moves if m.adjustable.adjustment_key == "shim"]:
+        pairs += [(line, _made(line, shims), shims) for line in lines[1:]]
+    for line, after, of in pairs:
+        rows = [after.moves.index(m) for m in of]
+        for key in (k for k in LINE_QUANTITIES if k in quantities):
+            was = evaluate_limits(line, quantities={key})
+            for now, then in zip(was, after.limits(key), strict=True):
+                shape = (len(after.moves), *now.values.shape)
+                values, holds = (
+                    np.broadcast_to(v, shape)[rows] for v in (then.values, then.validity_margin)
+                )
+                then = replace(then, values=values, validity_margin=holds, worst_points=None)
+                for k, p in np.argwhere(_worst_grades(then) > _worst_grades(now)).tolist():
+                    one = replace(then, values=values[k], validity_margin=holds[k])
+                    checks = (check_limit_at_part(line, one, s, p) for s in range(shape[1]))
+                    told = (c for c in (found.get(of[k]), *checks) if c)
+                    found[of[k]] = min(told, key=worst_first_key)
     return found
 
 

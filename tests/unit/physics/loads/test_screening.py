@@ -118,6 +118,25 @@ def test_packed_variant_points_equal_single_points(monkeypatch):
                 )
 
 
+def test_forces_and_travel_solved_once_equal_each_alone():
+    """To the last bit; and what lies in the way changes neither."""
+    r = line("refuse-collector-6x2")
+    of, found = r.mount_loads.candidate_points, r.mount_loads.screened_forces
+    drawn = of.screening_model
+    bare = drawn.without_obstacles()
+    assert found.obstacle_reach.results.reach.shape[-1] > 0
+    for gives, once in ((False, found.forces), (True, found.travel)):
+        for model, places in ((drawn, found.obstacle_reach.results.reach.shape[-1]), (bare, 0)):
+            alone, reach = screened_forces_at(
+                r.mounts, of.curve_index, of.speed, model, gives=gives
+            )
+            assert reach.results.reach.shape[-1] == places
+            for force in FORCE_KINDS:
+                np.testing.assert_array_equal(
+                    getattr(once.results, force), getattr(alone.results, force)
+                )
+
+
 def test_next_larger_points_match_sort():
     """What is not there comes last; where there are too few points the last one stands again."""
     r, random = line("medium-truck-4x2"), np.random.default_rng(3)
