@@ -125,7 +125,7 @@ def side_view_in_state(
         *_joint_labels(layout, page, c, true, angles, say),
         *_scale_bar(page, say),
     ]
-    note = _operating_angle_note(say)
+    note = _operating_angle_note(response, say)
     return Figure(
         title=title,
         svg=svg.svg_document(DRAWING_WIDTH_PX, page.height, *drawn, alt=alt),
@@ -134,11 +134,15 @@ def side_view_in_state(
     )
 
 
-def _operating_angle_note(say: Translator) -> str:
-    return say(
+def _operating_angle_note(response: LineResponse, say: Translator) -> str:
+    said = say(
         "At each joint its operating angle and which way it bends in this view; on each shaft its "
-        "slope and length. The frame's height and the gearbox's yoke (upright) are assumed."
+        "slope and length."
     )
+    yoke = say("The gearbox's yoke is drawn upright.")
+    hung = any(s.centre_bearing for s in response.line.shafts)
+    frame = (say("How high the frame lies is not given: it is drawn above."),) if hung else ()
+    return " ".join((said, yoke, *frame))
 
 
 def _obstacle_at_travel(o: Obstacle, rise: float) -> Obstacle:
@@ -213,7 +217,7 @@ def side_or_top_view_drawing(response: LineResponse, say: Translator, *, name: s
         *_scale_bar(page, say),
     ]
     bend = (
-        _operating_angle_note(say)
+        _operating_angle_note(response, say)
         if is_side
         else say("At each joint its angle in this view, on each shaft its slope and length.")
     )  # fmt: skip
