@@ -217,6 +217,17 @@ def test_check_prints_one_screen_for_every_example(code, assessments):
     assert set() == UNTRANSLATED_MESSAGES_SEEN
 
 
+def test_every_unverified_or_assumed_row_is_named_on_the_screen(assessments):
+    for name, found in assessments.items():
+        text = " ".join(without_colours(screen_lines(found)).split())
+        for datum in found.catalogue_data:
+            for code, word in (("from memory", "unverified"), ("assumed", "assumed")):
+                worse = [key for key, read in datum.source.apart if read == code]
+                row = f"{datum.kind} {datum.name}" + (f" ({', '.join(worse)})" if worse else "")
+                if worse or datum.source.how_read == code:
+                    assert re.search(rf"{word}: [^;*]*{re.escape(row)}", text), (name, row)
+
+
 def test_rows_of_the_worst_line_stand_first(assessments):
     lines = without_colours(screen_lines(assessments["tandem-6x4"])).splitlines()
     heads = [k for k, line in enumerate(lines) if re.fullmatch("  line .*", line)]

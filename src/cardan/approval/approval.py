@@ -124,7 +124,7 @@ class Approval:
     @cached_property
     def catalogue_data(self) -> tuple[CatalogueDatum, ...]:
         """The rows of catalogues that it stands on, and how each was read."""
-        return tuple(catalogue_data_of(self.application))
+        return tuple(catalogue_data_of(self.application, self.studies))
 
     @cached_property
     def note_messages(self) -> tuple[TranslatableMessage, ...]:

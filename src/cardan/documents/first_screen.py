@@ -174,7 +174,8 @@ def criteria_count_text(of: Approval, say: Translator) -> str:
 def points_before_signing(of: Approval, say: Translator) -> tuple[str, ...]:
     """Return sentences for a signer, the gravest first, as the screen has them."""
     screen = _screen(of, say, DEFAULT_WIDTH_COLUMNS)
-    return tuple(_signature_items(screen, screen.criteria))
+    graver, data, notes = _signature_parts(screen, screen.criteria)
+    return tuple(filter(None, (*graver, data, *notes)))
 
 
 def single_correction_texts(
@@ -421,21 +422,39 @@ def correction_text(move: AppliedAdjustment, say: Translator) -> str:
 # --------------------------------------------------------------------------- before signing
 
 
-def _signature_lines(screen: _Screen, rows: Sequence[Criterion], count: int) -> Iterator[str]:
-    """Yield what a signer should know, in `count` lines below a head; the rest counted.
+def _signature_lines(screen: _Screen, rows: Sequence[Criterion], room: int) -> Iterator[str]:
+    """Yield what a signer should know, in at most `room` lines below a head; the rest counted.
 
-    Verdicts that hang on an assumed input come first, then unverified data and notes.
+    Verdicts that hang on an assumed input come first, then unverified data and notes. Data is
+    always shown: if `MAX_SIGNATURE_LINES` end above it, there are as many more, or it moves up.
     """
     say = screen.say
-    items = list(_signature_items(screen, rows))
-    if not items:
+    graver, data, notes = _signature_parts(screen, rows)
+    if not (graver or data or notes):
         return
     yield bold(say("Before you sign"))
-    yield from capped_item_lines(items, count, "--sources", say, screen.width)
+    own = list(fold_lines([f"  {data}"], screen.width)) if data else []
+
+    def lines(place: int, count: int) -> list[str]:
+        items = [text for text in (*graver[:place], data, *graver[place:], *notes) if text]
+        return capped_item_lines(items, min(count, room), "--sources", say, screen.width)
+
+    found, place = lines(len(graver), MAX_SIGNATURE_LINES), len(graver)
+    while own and own[-1] not in found and place >= 0:
+        found = lines(place, MAX_SIGNATURE_LINES + len(own))
+        place -= 1
+    yield from found
 
 
-def _signature_items(screen: _Screen, rows: Sequence[Criterion]) -> Iterator[str]:
-    """Yield sentences for a signer, the gravest first."""
+def _signature_parts(
+    screen: _Screen, rows: Sequence[Criterion]
+) -> tuple[list[str], str, list[str]]:
+    """Return sentences for a signer, the gravest first: before that on data, on data, after it."""
+    return list(_graver_items(screen)), _data_item(screen), list(_note_items(screen, rows))
+
+
+def _graver_items(screen: _Screen) -> Iterator[str]:
+    """Yield sentences for a signer that go before those on data, the gravest first."""
     say, of = screen.say, screen.approval
     if warnings := of.application.warnings:
         keys = ", ".join(dict.fromkeys(w.key for w in warnings))
@@ -451,7 +470,11 @@ def _signature_items(screen: _Screen, rows: Sequence[Criterion]) -> Iterator[str
         )
         yield say("states not given, and not evaluated: {states}", states=", ".join(names))
     yield from _assumed_input_items(screen, worse=False)
-    yield from _data_items(screen)
+
+
+def _note_items(screen: _Screen, rows: Sequence[Criterion]) -> Iterator[str]:
+    """Yield sentences for a signer that go after those on data, the gravest first."""
+    say, of = screen.say, screen.approval
     if any(limit_text(c.worst, say).endswith("*") for c in rows):
         yield say("* limit of engineering judgement, no published limit")
     # Those that may turn a verdict first: others describe the input, or what was left out.
@@ -491,24 +514,27 @@ def _assumed_input_items(screen: _Screen, *, worse: bool) -> Iterator[str]:
         yield say(text, criteria="; ".join(names), inputs=inputs)
 
 
-def _data_items(screen: _Screen) -> Iterator[str]:
-    """Yield the catalogue data that is unverified, quoted or assumed."""
+def _data_item(screen: _Screen) -> str:
+    """Return the catalogue data that is unverified, quoted or assumed; "" if there is none.
+
+    Of a row whose values were read in several ways, those read worse than the row are named.
+    """
     say = screen.say
     found: dict[str, dict[str, None]] = {code: {} for code in _PROVENANCE_TEXTS}
     for datum in screen.approval.catalogue_data:
-        name = f"{say(datum.kind)} {datum.name}"
-        if datum.source.how_read in found:
-            found[datum.source.how_read][name] = None
-        apart = [key for key, code in datum.source.apart if code == "assumed"]
-        if apart and datum.kind != "material":  # of those the elastic constants, all alike
-            found["assumed"][f"{name} ({', '.join(apart)})"] = None
+        name, how_read = f"{say(datum.kind)} {datum.name}", datum.source.how_read
+        if how_read in found:
+            found[how_read][name] = None
+        for code in ("from memory", "assumed"):
+            apart = [key for key, read in datum.source.apart if read == code]
+            if apart:
+                found[code][f"{name} ({', '.join(apart)})"] = None
     said = [
         say(text, names=", ".join(found[code]))
         for code, text in _PROVENANCE_TEXTS.items()
         if found[code]
     ]
-    if said:
-        yield say("data {provenance}", provenance="; ".join(said))
+    return say("data {provenance}", provenance="; ".join(said)) if said else ""
 
 
 # --------------------------------------------------------------------------- not evaluated

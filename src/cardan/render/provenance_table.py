@@ -12,8 +12,7 @@ from cardan.render.phrases import citation, source_digitisation_phrase
 
 def catalogue_input_title(of: CatalogueDatum, say: Translator, *, several: bool) -> str:
     """Return a row by its name, and what of the line is of it."""
-    kind = "joint" if of.kind == "joint" else "shaft"
-    parts = say.join(*(say.part(Part(kind, number)) for number in of.part_numbers))
+    parts = say.join(*(say.part(Part(of.part_kind, number)) for number in of.part_numbers))
     name = f"{say(of.kind)} {of.name} ({parts})"
     return f"{of.line}: {name}" if several else name
 

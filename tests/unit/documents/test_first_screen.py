@@ -3,18 +3,24 @@
 import re
 from dataclasses import replace
 
+import jsonschema
 import pytest
+from brackets import BRACKET, LINE
 from click.testing import CliRunner
 from repository import ROOT
 
 from cardan.application import reader
 from cardan.approval.approval import Approval, approve_application, approve_driveline
+from cardan.approval.data_provenance import catalogue_data_of
+from cardan.approval.study import BRACKET_STUDY_NAME, DRIVELINE_STUDY_NAME
 from cardan.cli import cli
 from cardan.core.labels import EvaluationCondition, OperatingPoint, OrderCrossing, Part
 from cardan.core.provenance import Source
 from cardan.core.units import rpm
 from cardan.core.verdict import AssumedRange, Check, Limit
+from cardan.documents import first_screen
 from cardan.documents.approval_report import verdict_report_blocks
+from cardan.documents.approval_schema import schema
 from cardan.documents.criteria import (
     NAMES_BY_PART,
     condition_texts,
@@ -23,9 +29,10 @@ from cardan.documents.criteria import (
     short_name,
 )
 from cardan.documents.criterion_explanation import criteria_named, explanation_lines
-from cardan.documents.first_screen import MAX_LINES, screen_lines
+from cardan.documents.first_screen import MAX_LINES, points_before_signing, screen_lines
 from cardan.render.check_texts import limit_text, value_text
 from cardan.render.i18n import ENGLISH, LANGUAGE_CODES, Translator, message_catalogue
+from cardan.render.json_contract import catalogue_datum_json
 from cardan.render.text_layout import without_colours
 
 SHAFT = """\
@@ -206,6 +213,49 @@ def test_screen_of_many_exceeded_criteria_stays_one_screen(code):
     counted = re.search(r"\+(\d+)[^+]*\(--all\)", " ".join(lines))
     assert counted
     assert int(counted[1]) > 5
+
+
+# --------------------------------------------------------------------------- data
+
+
+@pytest.mark.parametrize("most", [9, 2, 1])
+@pytest.mark.parametrize("lines", [MAX_LINES, 12])
+def test_unverified_data_is_shown_however_many_points_come_before(most, lines, monkeypatch):
+    monkeypatch.setattr(first_screen, "MAX_SIGNATURE_LINES", most)
+    monkeypatch.setattr(first_screen, "MAX_LINES", lines)
+    odd = SHAFT.replace("tube: 100x3", "tube: 100x3, phase_deg: 1.5708")
+    found = approve_driveline(reader.loads(odd.replace("LIMITS", "heavy-truck")))
+    shown = screen(found)
+    points = points_before_signing(found, ENGLISH)
+    assert next(k for k, p in enumerate(points) if p.startswith("data ")) > 0
+    assert "data unverified: joint 2040" in " ".join(" ".join(shown).split())
+    at = shown.index("Before you sign")
+    assert len(shown[at + 1 :]) <= max(lines - at - 1, 20)
+
+
+def test_values_read_worse_than_their_row_are_named():
+    text = SHAFT.replace('"2040"', '"1810"').replace("LIMITS", "heavy-truck")
+    shown = " ".join(" ".join(screen(approve_driveline(reader.loads(text)))).split())
+    assert "data unverified: joint 1810 (cross_width, cup_diameter); quoted: joint 1810;" in shown
+
+
+FATIGUE = "  fatigue: {amplitude_MPa: 150, cycles: 1.0e+6, slope: 5, cut_edge: iiw-edge-125}\n"
+
+
+def test_rows_of_a_bracket_are_data_of_a_verdict_that_includes_it():
+    application = reader.loads(LINE + BRACKET + "  material: LNE380\n" + FATIGUE)
+    of_lines = list(catalogue_data_of(application, (DRIVELINE_STUDY_NAME,)))
+    every = list(catalogue_data_of(application, (DRIVELINE_STUDY_NAME, BRACKET_STUDY_NAME)))
+    assert every[: len(of_lines)] == of_lines
+    assert [
+        (d.kind, d.name, d.part_numbers, d.source.how_read) for d in every[len(of_lines) :]
+    ] == [
+        ("bracket material", "LNE380", (1,), "from memory"),
+        ("fatigue detail", "iiw-edge-125", (1,), "from memory"),
+    ]
+    jsonschema.validate(
+        [catalogue_datum_json(d) for d in every], schema()["properties"]["data"] | {"$defs": {}}
+    )
 
 
 # --------------------------------------------------------------------------- why
