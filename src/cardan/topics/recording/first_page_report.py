@@ -18,10 +18,9 @@ from cardan.render.i18n import Translator
 from cardan.topics.recording.campaign_assessment import CampaignAssessment
 from cardan.topics.recording.life_figures_report import (
     collective_figure,
-    history_figure,
     matrix_figure,
     recording_damage_figure,
-    stretch_damage_figure,
+    recording_history_figures,
 )
 from cardan.topics.recording.options import options_as_campaign_file_keys
 from cardan.topics.recording.recording_assessment import RecordingAssessment
@@ -31,7 +30,6 @@ from cardan.topics.recording.screen_presentation import (
     gauge_results,
     open_points,
 )
-from cardan.topics.recording.stress_history import StressHistory, marked_stretches
 
 MAX_GAUGES, MAX_POINTS = 4, 3
 """Gauges and open points that have room on the page; the others stand in the annex."""
@@ -68,14 +66,6 @@ class GoverningGauge:
     part: GaugeAssessment
     part_names: tuple[str, ...] = ()
     part_damages: FloatArray
-
-    @property
-    def history(self) -> StressHistory | None:
-        """Stress over time in that recording; None where nothing is drawn of it."""
-        figures = self.recording.figures
-        if figures is None or self.name not in figures.gauges or not figures.histories:
-            return None
-        return figures.histories[figures.gauges.index(self.name)]
 
 
 def governing_gauge(found: Found, gauges: Sequence[GaugeResult]) -> GoverningGauge | None:
@@ -161,17 +151,9 @@ def _required(found: Found, gauge: str) -> float | None:
 
 
 def _figures(of: GoverningGauge, found: Found, say: Translator) -> Iterator[Block]:
-    recording, history = of.recording.recording, of.history
-    duration, start = of.part.quality.recorded_time, recording.start_time
-    if history is not None:
-        marks = marked_stretches(
-            of.part.channel_reports, rules=of.recording.plan.fault_rules, rate=recording.rate
-        )
-        drawn = history_figure(
-            history, marks, say, gauge=of.name, recording=recording.name, duration=duration,
-            start=start,
-        )  # fmt: skip
-        yield Figures(figures=(drawn,), wide=True, max_height_mm=HISTORY_HEIGHT_MM)
+    over_time = recording_history_figures(of.recording, of.part, say)
+    if over_time:
+        yield Figures(figures=over_time[:1], wide=True, max_height_mm=HISTORY_HEIGHT_MM)
     pair = [
         None if of.matrix is None else matrix_figure(of.matrix, say, gauge=of.name),
         collective_figure(
@@ -180,12 +162,8 @@ def _figures(of: GoverningGauge, found: Found, say: Translator) -> Iterator[Bloc
         ),
     ]  # fmt: skip
     yield Figures(figures=tuple(one for one in pair if one is not None))
-    damage = (
-        recording_damage_figure(of.part_names, of.part_damages, say, gauge=of.name)
-        if of.part_names
-        else stretch_damage_figure(history, say, gauge=of.name, duration=duration, start=start)
-        if history is not None
-        else None
-    )
-    if damage is not None:
-        yield Figures(figures=(damage,), wide=True, max_height_mm=DAMAGE_HEIGHT_MM)
+    damage = over_time[1:]
+    if of.part_names:
+        damage = (recording_damage_figure(of.part_names, of.part_damages, say, gauge=of.name),)
+    if damage:
+        yield Figures(figures=damage, wide=True, max_height_mm=DAMAGE_HEIGHT_MM)

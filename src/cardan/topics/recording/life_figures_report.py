@@ -10,7 +10,7 @@ from cardan.core.units import MPa, hour
 from cardan.physics.fatigue.damage import LifeEstimate
 from cardan.physics.fatigue.rainflow import Cycles
 from cardan.physics.fatigue.rainflow_matrix import RainflowTable
-from cardan.physics.signals.assessment import AssessmentSettings
+from cardan.physics.signals.assessment import AssessmentSettings, GaugeAssessment
 from cardan.physics.signals.faults.waveform import FAULT_MISSING_SAMPLES
 from cardan.render import svg
 from cardan.render.chart import (
@@ -29,10 +29,12 @@ from cardan.topics.recording.load_collective import (
     load_collective,
     stress_reserve,
 )
+from cardan.topics.recording.recording_assessment import RecordingAssessment
 from cardan.topics.recording.stress_history import (
     MASKED_TIME,
     MarkedStretches,
     StressHistory,
+    marked_stretches,
 )
 
 WIDE_PX, HISTORY_HEIGHT_PX, DAMAGE_HEIGHT_PX = 900.0, 168.0, 132.0
@@ -156,6 +158,31 @@ def _pixel_spans(chart: Chart, runs: FloatArray) -> list[tuple[float, float]]:
         else:
             spans.append((a, b))
     return spans
+
+
+def recorded_history(of: RecordingAssessment, gauge: GaugeAssessment) -> StressHistory | None:
+    """Return the stress history of a gauge in a recording; None where none was made."""
+    figures = of.figures
+    if figures is None or gauge.name not in figures.gauges or not figures.histories:
+        return None
+    return figures.histories[figures.gauges.index(gauge.name)]
+
+
+def recording_history_figures(
+    of: RecordingAssessment, gauge: GaugeAssessment, say: Translator
+) -> tuple[Figure, ...]:
+    """Return stress and damage of a gauge over a recording; nothing where no history was made."""
+    history, recording = recorded_history(of, gauge), of.recording
+    if history is None:
+        return ()
+    marks = marked_stretches(gauge.channel_reports, rules=of.plan.fault_rules, rate=recording.rate)
+    where = {"duration": gauge.quality.recorded_time, "start": recording.start_time}
+    return (
+        history_figure(
+            history, marks, say, gauge=gauge.name, recording=recording.name, **where
+        ),
+        stretch_damage_figure(history, say, gauge=gauge.name, **where),
+    )  # fmt: skip
 
 
 # --------------------------------------------------------------------------- cycles

@@ -28,9 +28,10 @@ from cardan.render.phrases import (
 from cardan.topics.recording.campaign_assessment import CampaignAssessment
 from cardan.topics.recording.chapter import campaign_chapters as recorded
 from cardan.topics.recording.chapter import recording_blocks
-from cardan.topics.recording.first_page_report import first_page_chapter
+from cardan.topics.recording.first_page_report import first_page_chapter, governing_gauge
 from cardan.topics.recording.life_verdict import assessment_verdict
 from cardan.topics.recording.recording_assessment import RecordingAssessment
+from cardan.topics.recording.screen_presentation import gauge_results
 
 MAX_NAMED_FILES = 3
 """Files that the first page names; if there are more, the annex has them."""
@@ -42,10 +43,14 @@ def recording_report(
     """Return the story of a recording: the verdict, its gauges, who did the damage."""
     say, heard = say.with_minus_sign, of.answer
     assert heard is not None  # of a recording that could be asked
+    governing = governing_gauge(of, gauge_results(of))
+    shown = governing.name if governing is not None else ""
     chapters = [
         first_page_chapter(of, say),
         Chapter(title=say("Verdict"), blocks=tuple(_judged(of, say))),
-        Chapter(title=heard.recording.name, blocks=tuple(recording_blocks(heard, say))),
+        Chapter(
+            title=heard.recording.name, blocks=tuple(recording_blocks(heard, say, shown=shown))
+        ),
     ]
     return _recorded(of, heard.recording.name, heard.profile, chapters, say=say, issue=issue)
 

@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -115,6 +116,22 @@ def test_history_does_not_depend_on_the_pieces(found):
     assert np.isnan(histories(777)[0].low[100:130]).all()
 
 
+def test_history_of_a_long_recording_takes_the_memory_of_a_piece(found):
+    """Of forty pieces less than ten are held at once, with what their count needs."""
+    piece = np.tile(stress(), 5)[None] * MPa
+    counter = StressHistoryCounter(
+        found.answer.plan, samples=40 * piece.size, rate=RATE, interpolated=[False]
+    )
+    for _ in counter.observed(iter([piece])):  # imports and compiles
+        pass
+    tracemalloc.start()
+    for _ in counter.observed(piece.copy() for _ in range(40)):
+        pass
+    _, most = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert most < 10 * piece.nbytes
+
+
 @pytest.mark.parametrize("seconds", [0.5, 44.0, 1000.0, 3.7e4, 4e6])
 def test_a_recording_of_any_length_has_few_stretches(seconds):
     samples = round(seconds * RATE)
@@ -204,6 +221,10 @@ def test_first_page_has_life_cause_and_four_figures(found, code):
     assert any(isinstance(b, BulletList) for b in chapter.blocks)
     drawn = chapter_figures(chapter)
     assert len(drawn) == 4
+    other = recording_report(found, say=say, issue=ReportDateAndSourceStamp()).chapters[2]
+    title = say("{gauge} in {recording}: stress over time", gauge="S2", recording="run")
+    assert [f.title for f in chapter_figures(other)].count(title) == 1
+    assert drawn[0].title not in [f.title for f in chapter_figures(other)]
     assert all(f.alt and "S1" in f.title for f in drawn)
     x = stress()
     assert say.compact_number(x.max(), 4) in drawn[0].alt
