@@ -31,7 +31,7 @@ from cardan.topics.recording.screen_presentation import (
     open_points,
 )
 
-MAX_GAUGES, MAX_POINTS = 4, 3
+MAX_GAUGES, MAX_POINTS = 4, 2
 """Gauges and open points that have room on the page; the others stand in the annex."""
 HISTORY_HEIGHT_MM, DAMAGE_HEIGHT_MM = 52.0, 33.0
 """Height on paper of the figures over time, at most."""

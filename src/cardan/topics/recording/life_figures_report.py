@@ -37,9 +37,9 @@ from cardan.topics.recording.stress_history import (
     marked_stretches,
 )
 
-WIDE_PX, HISTORY_HEIGHT_PX, DAMAGE_HEIGHT_PX = 900.0, 168.0, 132.0
+WIDE_PX, HISTORY_HEIGHT_PX, DAMAGE_HEIGHT_PX = 900.0, 152.0, 122.0
 """Size of the figures over time, which take the width of a page."""
-PAIR_HEIGHT_PX = 262.0
+PAIR_HEIGHT_PX = 240.0
 """Height of the figures that stand side by side."""
 LANE_PX = 9.0
 """Height of the lane in which a kind of suspect data is marked above the stress."""
@@ -101,7 +101,7 @@ def history_figure(
         width=WIDE_PX,
         height=HISTORY_HEIGHT_PX + lanes,
     )
-    chart.add_envelope(x, low, high, name=say("smallest to largest stress"))
+    chart.add_envelope(x, low, high, name="")
     names: list[str] = []
     for lane, one in enumerate(marks):
         colour = SERIES_COLOURS[1 + lane % (len(SERIES_COLOURS) - 1)]
@@ -110,7 +110,10 @@ def history_figure(
         chart.add_legend_swatch(names[-1], colour)
     said = "; ".join(names) if names else say("no suspect data found")
     return chart.to_figure(
-        title=say("{gauge} in {recording}: stress over time", gauge=gauge, recording=recording),
+        title=say(
+            "{gauge} in {recording}: smallest and largest stress over time", gauge=gauge,
+            recording=recording,
+        ),
         alt=say(
             "Stress of {gauge} over {duration}, from {low} to {high} MPa. Marked: {marks}.",
             gauge=gauge, duration=_duration_text(duration, say), marks=said,
@@ -250,10 +253,10 @@ def collective_figure(
     curve, largest = plan.curve, float(found.amplitude[-1])
     passages = {say("load collective, one passage"): 1.0}
     if required is not None:
-        name = say("load collective in {hours} h (limit)", hours=_hours(required, say))
+        name = say("collective in {hours} h (limit)", hours=_hours(required, say))
         passages[name] = required / life.duration
     if known and 0 < life.damage < math.inf:
-        name = say("load collective at the life, {hours} h", hours=_hours(life.hours * hour, say))
+        name = say("collective at the life, {hours} h", hours=_hours(life.hours * hour, say))
         passages[name] = plan.allowed / life.damage
     knee, total = math.log10(curve.cycles), float(found.cycles[0]) * max(passages.values())
     end = max(knee + 1, math.log10(max(total, 1.0)))

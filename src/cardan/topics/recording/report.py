@@ -33,7 +33,7 @@ from cardan.topics.recording.life_verdict import assessment_verdict
 from cardan.topics.recording.recording_assessment import RecordingAssessment
 from cardan.topics.recording.screen_presentation import gauge_results
 
-MAX_NAMED_FILES = 3
+MAX_NAMED_FILES = 2
 """Files that the first page names; if there are more, the annex has them."""
 
 
@@ -76,10 +76,13 @@ def _recorded(
     """Return the story of recordings that chapters tell."""
     verdict = assessment_verdict(of)
     coverage = coverage_of(of)
+    more = ""
     files = tuple(zip(issue.file_names, issue.fingerprints, strict=True))
     if len(files) > MAX_NAMED_FILES:
         chapters = [*chapters, _files_chapter(files, say)]
         issue = replace(issue, file_names=issue.file_names[:1], fingerprints=issue.fingerprints[:1])
+        count = len(files) - 1
+        more = say.count("{count} more in the annex", "{count} more in the annex", count)
     counted = say("{answered} of {asked} checks evaluated", answered=coverage.evaluated,
                   asked=coverage.total)  # fmt: skip
     return ReportDocument(
@@ -91,13 +94,21 @@ def _recorded(
         verdict=say(verdict).upper() if verdict else say("No limit given"),
         facts=(
             *(((say("Limits"), profile),) if profile else ()),
-            *document_stamp_facts(issue, say),
+            *_stamp_facts(issue, more, say),
         ),
         chapters=tuple(chapters),
         summary=counted if coverage.total else "",
         is_sheet=True,
         date=issue.date,
     )
+
+
+def _stamp_facts(
+    issue: ReportDateAndSourceStamp, more: str, say: Translator
+) -> Iterator[tuple[str, str]]:
+    """Yield the facts of a stamp; `more`, if any, stands behind the first file."""
+    for k, (name, value) in enumerate(document_stamp_facts(issue, say)):
+        yield name, f"{value}; {more}" if more and not k else value
 
 
 def _files_chapter(files: Sequence[tuple[str, str]], say: Translator) -> Chapter:

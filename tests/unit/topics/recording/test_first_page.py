@@ -222,7 +222,9 @@ def test_first_page_has_life_cause_and_four_figures(found, code):
     drawn = chapter_figures(chapter)
     assert len(drawn) == 4
     other = recording_report(found, say=say, issue=ReportDateAndSourceStamp()).chapters[2]
-    title = say("{gauge} in {recording}: stress over time", gauge="S2", recording="run")
+    title = say(
+        "{gauge} in {recording}: smallest and largest stress over time", gauge="S2", recording="run"
+    )
     assert [f.title for f in chapter_figures(other)].count(title) == 1
     assert drawn[0].title not in [f.title for f in chapter_figures(other)]
     assert all(f.alt and "S1" in f.title for f in drawn)
@@ -240,7 +242,7 @@ def test_rejected_gauge_is_shown_without_a_life():
     one = governing_gauge(found, gauge_results(found))
     assert (one.name, one.known) == ("S1", False)
     collective = chapter_figures(first_page_chapter(found, SAY))[2]
-    assert "load collective at the life" not in collective.svg
+    assert "collective at the life" not in collective.svg
     assert "Safety" not in collective.note
 
 
@@ -298,7 +300,9 @@ def test_many_files_stand_in_the_annex(campaign):
     prints = tuple(f"print {k}" for k in range(5))
     issue = ReportDateAndSourceStamp(file_names=names, fingerprints=prints)
     report = campaign_report(campaign, say=SAY, issue=issue)
-    assert [value for name, value in report.facts if name == "File"] == ["file 0 (SHA-256 print 0)"]
+    assert [value for name, value in report.facts if name == "File"] == [
+        "file 0 (SHA-256 print 0); 4 more in the annex"
+    ]
     assert report.chapters[-1].blocks[0].rows == tuple(zip(names, prints, strict=True))
 
 
