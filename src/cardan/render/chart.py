@@ -27,6 +27,8 @@ from cardan.render.svg import (
 CHART_WIDTH_PX, CHART_HEIGHT_PX = 540.0, 330.0
 MARGIN_LEFT_PX, MARGIN_RIGHT_PX, MARGIN_TOP_PX, MARGIN_BOTTOM_PX = 66.0, 16.0, 14.0, 44.0
 
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
 MIN_CATEGORY_COUNT_FOR_BAR_WIDTH = 5
 """Categories that bars are drawn as wide as for, at least."""
 
@@ -76,6 +78,19 @@ def ticks(low: float, high: float, count: int = 6) -> FloatArray:
     return step * np.arange(first, last + 1, dtype=np.float64)
 
 
+def logarithmic_ticks(low: float, high: float, count: int = 10) -> FloatArray:
+    """Return logarithms of round numbers between two logarithms: 1, 2, 5, 10 or powers of ten."""
+    steps = (0.0, np.log10(2), np.log10(5)) if high - low <= 3 else (0.0,)
+    every = max(ceil((high - low) / count), 1)
+    found = np.array([k + s for k in range(floor(low), ceil(high) + 1, every) for s in steps])
+    return found[(found >= low - 1e-9) & (found <= high + 1e-9)]
+
+
+def power_of_ten_text(exponent: int) -> str:
+    """Return a power of ten: 10⁶."""
+    return "10" + str(exponent).translate(SUPERSCRIPTS)
+
+
 def axis_range(
     *values: FloatArray | float, zero: bool = False, room: float = 0.06
 ) -> tuple[float, float]:
@@ -121,6 +136,9 @@ class Chart:
     categories: tuple[str, ...] = ()
     show_y_values: bool = True
     """Whether the y axis has numbers; names may stand in the chart instead."""
+    x_logarithmic: bool = False
+    y_logarithmic: bool = False
+    """Whether values along the axis are given as logarithms to ten; its numbers are of them."""
     _drawn: list[str] = field(default_factory=list[str])
     _legend: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
     _named: list[tuple[float, float, float]] = field(
@@ -250,6 +268,28 @@ class Chart:
             )
         self.add_elements(svg.text(a, b, said, font_size=10.5, fill=colour))
 
+    def add_envelope(
+        self, x: FloatArray, low: FloatArray, high: FloatArray, *, name: str, index: int = 0
+    ) -> None:
+        """Fill from the lowest to the highest value of columns (n,); a gap where one is nan."""
+        colour = SERIES_COLOURS[index % len(SERIES_COLOURS)]
+        known = np.isfinite(low) & np.isfinite(high)
+        turns = np.flatnonzero(np.diff(known.astype(np.int8), prepend=0, append=0))
+        for first, last in turns.reshape(-1, 2):
+            across = np.concatenate([x[first:last], x[first:last][::-1]])
+            px, py = self.to_pixels(
+                across, np.concatenate([low[first:last], high[first:last][::-1]])
+            )
+            self.add_elements(
+                svg.path(px, py, close=True, fill=colour, stroke=colour, stroke_width=0.8)
+            )
+        if name:
+            self.add_legend_entry(name, index)
+
+    def add_legend_swatch(self, name: str, colour: str) -> None:
+        """Name a fill in the legend."""
+        self._legend.append((name, svg.rect(0, -9, 22, 10, fill=colour)))
+
     def add_legend_entry(self, name: str, index: int) -> None:
         """Name a colour in the legend."""
         colour = SERIES_COLOURS[index % len(SERIES_COLOURS)]
@@ -290,6 +330,18 @@ class Chart:
         drawn = svg.svg_document(self.width, height, *self._axes(), *self._drawn, *legend, alt=alt)
         return Figure(title=title, svg=drawn, alt=alt, note=note)
 
+    @staticmethod
+    def _ticks(along: tuple[float, float], *, logarithmic: bool) -> FloatArray:
+        return logarithmic_ticks(*along) if logarithmic else ticks(*along)
+
+    def _tick_text(self, value: float, *, logarithmic: bool) -> str:
+        """Return the number at a tick; a power of ten from 10 000 on and below 0.01."""
+        if not logarithmic:
+            return self.say.compact_number(value)
+        if -2 <= value < 4:
+            return self.say.compact_number(10**value)
+        return power_of_ten_text(round(value))
+
     def _axes(self) -> list[str]:
         """Return grid, ticks and labels."""
         left, right, bottom = (
@@ -298,10 +350,12 @@ class Chart:
             self.height - MARGIN_BOTTOM_PX,
         )
         out: list[str] = []
-        for value in ticks(*self.y) if self.show_y_values else ():
+        for value in (
+            self._ticks(self.y, logarithmic=self.y_logarithmic) if self.show_y_values else ()
+        ):
             _, y = self.point_to_pixels(self.x[0], float(value))
             out.append(svg.line(left, y, right, y, stroke=GRID_COLOUR))
-            said = self.say.compact_number(float(value))
+            said = self._tick_text(float(value), logarithmic=self.y_logarithmic)
             out.append(svg.text(left - 6, y + 4, said, anchor="end", font_size=11))
         if self.categories:
             step = 1 if len(self.categories) <= 5 else 0
@@ -311,18 +365,23 @@ class Chart:
                 said = name if step or len(name) <= room else name[: max(room - 1, 3)] + "…"
                 out.append(svg.text(x, bottom + 16, said, anchor="middle", font_size=11))
         else:
-            for value in 60.0 * np.arange(7) if self.x == (0.0, 360.0) else ticks(*self.x):
+            full_turn = self.x == (0.0, 360.0)
+            for value in (
+                60.0 * np.arange(7)
+                if full_turn
+                else self._ticks(self.x, logarithmic=self.x_logarithmic)
+            ):
                 x, _ = self.point_to_pixels(float(value), self.y[0])
                 out.append(svg.line(x, MARGIN_TOP_PX, x, bottom, stroke=GRID_COLOUR))
-                said = self.say.compact_number(float(value))
+                said = self._tick_text(float(value), logarithmic=self.x_logarithmic)
                 out.append(svg.text(x, bottom + 16, said, anchor="middle", font_size=11))
         out.append(
             svg.path([left, left, right], [MARGIN_TOP_PX, bottom, bottom], stroke=SECONDARY_COLOUR)
         )
-        if self.show_y_values and self.y[0] < 0 < self.y[1]:
+        if self.show_y_values and not self.y_logarithmic and self.y[0] < 0 < self.y[1]:
             _, y = self.point_to_pixels(self.x[0], 0.0)
             out.append(svg.line(left, y, right, y, stroke=SECONDARY_COLOUR))
-        if not self.categories and self.x[0] < 0 < self.x[1]:
+        if not self.categories and not self.x_logarithmic and self.x[0] < 0 < self.x[1]:
             x, _ = self.point_to_pixels(0.0, self.y[0])
             out.append(svg.line(x, MARGIN_TOP_PX, x, bottom, stroke=SECONDARY_COLOUR))
         middle = (left + right) / 2
@@ -395,9 +454,12 @@ def line_chart(
     x: tuple[float, float] | None = None,
     y: tuple[float, float] | None = None,
     categories: tuple[str, ...] = (),
+    x_logarithmic: bool = False,
+    y_logarithmic: bool = False,
+    height: float = CHART_HEIGHT_PX,
     note: str = "",
 ) -> Figure:
-    """Return a chart of series over a common axis."""
+    """Return a chart of series over a common axis; logarithmic values are given as logarithms."""
     chart = Chart(
         say=say,
         x=x or axis_range(*(s.x for s in series), room=0.03),
@@ -406,6 +468,9 @@ def line_chart(
         y_label=y_label,
         equal_aspect=equal,
         categories=categories,
+        x_logarithmic=x_logarithmic,
+        y_logarithmic=y_logarithmic,
+        height=height,
     )
     for band in bands:
         chart.add_band(band)

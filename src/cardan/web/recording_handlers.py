@@ -420,16 +420,17 @@ def _removable_share(gauge: str, of: JointAttribution, say: Translator) -> Json:
 
 def _without_pictures(of: RecordingAssessment) -> RecordingAssessment:
     """Return an answer without what the page draws itself."""
-    return replace(of, figures=of.figures and replace(of.figures, spectrograms=()))
+    return replace(of, figures=of.figures and replace(of.figures, spectrograms=(), histories=()))
 
 
 def _report_message(of: ReportDocument) -> Json:
-    """Return what a report says of recordings."""
+    """Return what a report says of recordings; its first page is a sheet for paper."""
     return {
         "grade": of.grade,
         "verdict": of.verdict,
         "summary": of.summary,
         "chapters": [
-            {"title": c.title, "blocks": report_blocks_to_messages(c.blocks)} for c in of.chapters
+            {"title": c.title, "blocks": report_blocks_to_messages(c.blocks)}
+            for c in of.chapters[1:]
         ],
     }

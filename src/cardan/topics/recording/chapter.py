@@ -34,6 +34,7 @@ from cardan.topics.recording.identification_presentation import (
     predicted_life_rows,
 )
 from cardan.topics.recording.identification_result import IdentificationResult
+from cardan.topics.recording.life_figures_report import recording_history_figures
 from cardan.topics.recording.presentation import (
     bus_error_lines,
     channel_fault_lines,
@@ -49,6 +50,8 @@ from cardan.topics.recording.recording_assessment import RecordingAssessment, Re
 
 MAX_DRAWN_WINDOWS = 1200
 """Windows of an order cut that are drawn, at most."""
+MAX_HISTORY_HEIGHT_MM = 52.0
+"""Height on paper of a gauge's stress over time, at most."""
 _Cut: TypeAlias = tuple[str, FloatArray, ComplexArray, ComplexArray]
 """Name, speeds in rpm, and of an order what has an amplitude and what has a phase, (n,) Pa."""
 
@@ -90,9 +93,11 @@ def recording_mix_blocks(of: CampaignAssessment, say: Translator) -> Iterator[Bl
 
 
 def recording_blocks(
-    of: RecordingAssessment, say: Translator, *, short: bool = False
+    of: RecordingAssessment, say: Translator, *, short: bool = False, shown: str = ""
 ) -> Iterator[Block]:
     """Yield what a recording did to its gauges, and who did it.
+
+    `shown` is the gauge whose stress over time is drawn elsewhere; `short` draws that of none.
 
     Raises
     ------
@@ -115,6 +120,10 @@ def recording_blocks(
         paragraphs=tuple(s for one in of.lives for s in data_quality_lines(one, rate=rate, say=say))
     )
     yield Figures(figures=(_pairs(of.lives, of.causes, say), _field(of.lives, of.plan, of, say)))
+    for one in () if short else of.lives:
+        over_time = () if one.name == shown else recording_history_figures(of, one, say)
+        if over_time:
+            yield Figures(figures=over_time, wide=True, max_height_mm=MAX_HISTORY_HEIGHT_MM)
     if of.figures is not None:
         yield from _pictures(of.figures, of.recording.name, say)
         if of.figures.cuts is not None:

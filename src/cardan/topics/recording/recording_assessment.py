@@ -19,6 +19,7 @@ from cardan.topics.recording.identification_result import (
 from cardan.topics.recording.options import AnalysisOptions
 from cardan.topics.recording.predicted_life import PredictedLife
 from cardan.topics.recording.shaft_signals import BusErrorValues
+from cardan.topics.recording.stress_history import StressHistory
 from cardan.topics.recording.usage import UsageDamage
 
 
@@ -36,12 +37,15 @@ class ReportFigures:
         Amplitude over speed and order, Pa; none where nothing is known to turn.
     cuts
         Orders 1, 2 and 4 window by window, Pa.
+    histories
+        Stress and damage over time.
     """
 
     gauges: tuple[str, ...]
     spectrograms: tuple[Spectrogram, ...]
     order_maps: tuple[OrderMap, ...]
     cuts: OrderCuts | None
+    histories: tuple[StressHistory, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,6 +1,7 @@
 """The story that a report tells of a recording, or of a campaign of some."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from cardan.application.quantity_lookup import declared_quantity
@@ -27,8 +28,13 @@ from cardan.render.phrases import (
 from cardan.topics.recording.campaign_assessment import CampaignAssessment
 from cardan.topics.recording.chapter import campaign_chapters as recorded
 from cardan.topics.recording.chapter import recording_blocks
+from cardan.topics.recording.first_page_report import first_page_chapter, governing_gauge
 from cardan.topics.recording.life_verdict import assessment_verdict
 from cardan.topics.recording.recording_assessment import RecordingAssessment
+from cardan.topics.recording.screen_presentation import gauge_results
+
+MAX_NAMED_FILES = 2
+"""Files that the first page names; if there are more, the annex has them."""
 
 
 def recording_report(
@@ -37,9 +43,14 @@ def recording_report(
     """Return the story of a recording: the verdict, its gauges, who did the damage."""
     say, heard = say.with_minus_sign, of.answer
     assert heard is not None  # of a recording that could be asked
+    governing = governing_gauge(of, gauge_results(of))
+    shown = governing.name if governing is not None else ""
     chapters = [
+        first_page_chapter(of, say),
         Chapter(title=say("Verdict"), blocks=tuple(_judged(of, say))),
-        Chapter(title=heard.recording.name, blocks=tuple(recording_blocks(heard, say))),
+        Chapter(
+            title=heard.recording.name, blocks=tuple(recording_blocks(heard, say, shown=shown))
+        ),
     ]
     return _recorded(of, heard.recording.name, heard.profile, chapters, say=say, issue=issue)
 
@@ -51,6 +62,7 @@ def campaign_report(
     say, found = say.with_minus_sign, of.answer
     assert found is not None  # of a campaign that could be asked
     chapters = [
+        first_page_chapter(of, say),
         Chapter(title=say("Verdict"), blocks=tuple(_judged(of, say))),
         *recorded(found, say),
     ]
@@ -64,6 +76,13 @@ def _recorded(
     """Return the story of recordings that chapters tell."""
     verdict = assessment_verdict(of)
     coverage = coverage_of(of)
+    more = ""
+    files = tuple(zip(issue.file_names, issue.fingerprints, strict=True))
+    if len(files) > MAX_NAMED_FILES:
+        chapters = [*chapters, _files_chapter(files, say)]
+        issue = replace(issue, file_names=issue.file_names[:1], fingerprints=issue.fingerprints[:1])
+        count = len(files) - 1
+        more = say.count("{count} more in the annex", "{count} more in the annex", count)
     counted = say("{answered} of {asked} checks evaluated", answered=coverage.evaluated,
                   asked=coverage.total)  # fmt: skip
     return ReportDocument(
@@ -75,12 +94,30 @@ def _recorded(
         verdict=say(verdict).upper() if verdict else say("No limit given"),
         facts=(
             *(((say("Limits"), profile),) if profile else ()),
-            *document_stamp_facts(issue, say),
+            *_stamp_facts(issue, more, say),
         ),
         chapters=tuple(chapters),
         summary=counted if coverage.total else "",
+        is_sheet=True,
         date=issue.date,
     )
+
+
+def _stamp_facts(
+    issue: ReportDateAndSourceStamp, more: str, say: Translator
+) -> Iterator[tuple[str, str]]:
+    """Yield the facts of a stamp; `more`, if any, stands behind the first file."""
+    for k, (name, value) in enumerate(document_stamp_facts(issue, say)):
+        yield name, f"{value}; {more}" if more and not k else value
+
+
+def _files_chapter(files: Sequence[tuple[str, str]], say: Translator) -> Chapter:
+    """Return the files that a report is of, and what they held."""
+    table = Table(
+        caption=say("Files of this report"), head=(say("File"), "SHA-256"), rows=tuple(files),
+        words=2,
+    )  # fmt: skip
+    return Chapter(title=say("Files"), blocks=(table,))
 
 
 def _judged(of: StudyResult[Any], say: Translator) -> Iterator[Block]:

@@ -65,7 +65,7 @@ Found = StudyResult[RecordingAssessment] | StudyResult[CampaignAssessment]
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Gauge:
+class GaugeResult:
     """What decides at one gauge, of a recording or of a mix.
 
     `hours` is nan where the life is not known; `interval` is of 10 and 90 % of parts failed, h;
@@ -104,7 +104,7 @@ def screen_lines(
     of = found.answer
     assert of is not None  # of a study that answered
     parts = _parts(of)
-    gauges = sorted(_gauges(of, found.checks), key=lambda g: g.order)
+    gauges = gauge_results(found)
     above = [
         *_title_lines(found, of, say, width),
         *fold_lines([_read_text(found, of, say)], width),
@@ -212,9 +212,15 @@ def _limit_lines(found: Found, say: Translator, width: int) -> Iterator[str]:
 # --------------------------------------------------------------------------- gauges
 
 
+def gauge_results(found: Found) -> list[GaugeResult]:
+    """Return what decides at each gauge, the one that governs first."""
+    assert found.answer is not None  # of a study that answered
+    return sorted(_gauges(found.answer, found.checks), key=lambda g: g.order)
+
+
 def _gauges(
     of: RecordingAssessment | CampaignAssessment, checks: Sequence[Check]
-) -> Iterator[_Gauge]:
+) -> Iterator[GaugeResult]:
     """Yield what decides at each gauge."""
     for one in of.lives:
         alone, part = _chief_part(of, one)
@@ -228,7 +234,7 @@ def _gauges(
             if place is None or part.causes is None
             else part.causes.joint_attributions[place]
         )
-        yield _Gauge(
+        yield GaugeResult(
             name=one.name,
             hours=one.life.hours if known else math.nan,
             rejected=bool(one.vetoes),
@@ -259,23 +265,35 @@ def _interval(one: GaugeAssessment) -> tuple[float, float] | None:
     return (low, high) if low < high else None
 
 
-def _table_lines(gauges: Sequence[_Gauge], say: Translator, width: int) -> list[str]:
-    """Return a table of gauges: life with interval, the joints' share with interval, finding."""
+def gauge_result_rows(gauges: Sequence[GaugeResult], say: Translator) -> list[list[str]]:
+    """Return gauges as rows, heads first: life with interval, joints' share with interval, finding.
+
+    Columns of which nothing is known at any gauge are left out.
+    """
     intervals, found = any(g.interval for g in gauges), any(g.evidence for g in gauges)
-    head = [f"  {say('gauge')}", say("life, h")]
+    head = [say("gauge"), say("life, h")]
     head += [say("10-90 % failed")] if intervals else []
     head += [say("joints (90 % interval)"), say("cause")] if found else []
-    rows: list[list[str]] = []
+    rows = [head]
     for g in gauges:
-        unknown = math.isnan(g.hours)
-        mark = UNKNOWN_MARK if unknown else GRADE_MARKS[g.grade]
-        row = [f"{mark} {g.name}", _life_text(g, say)]
+        row = [g.name, _life_text(g, say)]
         if intervals:
             ends = [_hours(h, say) for h in g.interval or ()]
             row.append(" … ".join(ends) or "-")
         if found:
             row += _evidence_cells(g.evidence, say)
         rows.append(row)
+    return rows
+
+
+def _table_lines(gauges: Sequence[GaugeResult], say: Translator, width: int) -> list[str]:
+    """Return a table of gauges, as many as have room."""
+    intervals = any(g.interval for g in gauges)
+    head, *rows = gauge_result_rows(gauges, say)
+    head[0] = f"  {head[0]}"
+    for g, row in zip(gauges, rows, strict=True):
+        mark = UNKNOWN_MARK if math.isnan(g.hours) else GRADE_MARKS[g.grade]
+        row[0] = f"{mark} {row[0]}"
     for shown in range(len(rows), 0, -1):
         first, *lines = table_lines(head, rows[:shown], width, right=(1, 2) if intervals else (1,))
         rest = len(rows) - shown
@@ -285,7 +303,7 @@ def _table_lines(gauges: Sequence[_Gauge], say: Translator, width: int) -> list[
     return []
 
 
-def _life_text(g: _Gauge, say: Translator) -> str:
+def _life_text(g: GaugeResult, say: Translator) -> str:
     """Return a life, h; its figures show on which side of its limit it is."""
     if math.isnan(g.hours):
         return say("data rejected") if g.rejected else say("not known")
@@ -309,7 +327,7 @@ def _evidence_cells(of: JointAttribution | None, say: Translator) -> list[str]:
     return [f"{share_text(of.damage_share, say)} ({between})", say(of.verdict)]
 
 
-def _largest_cause_lines(gauges: Sequence[_Gauge], say: Translator, width: int) -> list[str]:
+def _largest_cause_lines(gauges: Sequence[GaugeResult], say: Translator, width: int) -> list[str]:
     """Return the largest shares of the damage where the joints are not found to dominate."""
     items: list[str] = []
     for g in gauges:
@@ -368,7 +386,7 @@ def _gauge_items(one: GaugeAssessment, rate: float, say: Translator) -> Iterator
 def _signature_items(
     found: Found,
     parts: Sequence[tuple[str, RecordingAssessment]],
-    gauges: Sequence[_Gauge],
+    gauges: Sequence[GaugeResult],
     say: Translator,
 ) -> list[str]:
     """Return sentences for a signer: what turns a verdict, why a cause is open, what is assumed."""
@@ -438,6 +456,16 @@ def _share_of_time(doubt: Finding) -> float:
     return share if isinstance(share, float) else math.inf
 
 
+def open_points(found: Found, say: Translator) -> list[str]:
+    """Return sentences for a signer, what decides first: data quality, causes, assumptions."""
+    of = found.answer
+    assert of is not None  # of a study that answered
+    parts = _parts(of)
+    sound = say("no suspect data found")
+    data = [item for item in _data_items(of, parts, say) if item != sound]
+    return [*data, *_signature_items(found, parts, gauge_results(found), say)]
+
+
 # --------------------------------------------------------------------------- further results
 
 
@@ -479,7 +507,7 @@ def _predicted_text(of: PredictedLife, say: Translator) -> str:
 
 
 def _not_evaluated_lines(
-    found: Found, gauges: Sequence[_Gauge], say: Translator, width: int
+    found: Found, gauges: Sequence[GaugeResult], say: Translator, width: int
 ) -> list[str]:
     """Return what was not evaluated and the input it needs."""
     items = grouped_unevaluated_lines(found.unevaluated, say)

@@ -28,7 +28,7 @@ from cardan.physics.signals.attribution_result import (
 )
 from cardan.physics.signals.cause_assessment import DamageCausesByGauge, attribute_damage
 from cardan.physics.signals.channel_units import RADIANS_PER_TURN
-from cardan.physics.signals.conditioning import ChannelReport, upsample
+from cardan.physics.signals.conditioning import UPSAMPLING_FACTOR, ChannelReport, upsample
 from cardan.physics.signals.confounders import FOUR_CYLINDER_FIRING_ORDER
 from cardan.physics.signals.damage_attribution import (
     SIX_CYLINDER_FIRING_ORDERS,
@@ -43,7 +43,11 @@ from cardan.physics.signals.operational_modes import (
 )
 from cardan.physics.signals.order_cuts import order_cuts, order_windows
 from cardan.physics.signals.order_tracking import ShaftRotation
-from cardan.physics.signals.recording import Recording
+from cardan.physics.signals.recording import (
+    SAMPLES_PER_BLOCK,
+    Recording,
+    rechunk_to_block_size,
+)
 from cardan.physics.signals.shaft_angle import MAX_SPEED_GAP_S, ShaftAngle
 from cardan.physics.signals.spectrograms import OrderMap, order_maps, spectrograms
 from cardan.physics.signals.usage_profile import (
@@ -88,6 +92,7 @@ from cardan.topics.recording.shaft_signals import (
     torque_channel,
     with_alternative_reading,
 )
+from cardan.topics.recording.stress_history import StressHistoryCounter
 from cardan.topics.recording.usage import UsageDamage, damage_by_usage
 
 
@@ -173,7 +178,7 @@ class RecordingStudy:
         if self.draw and heard:
             pictures = _pictures(
                 recording, replace(plan, gauges=tuple(heard)), angle, healths=healths,
-                seconds=lives[0].quality.recorded_time, progress=progress,
+                lives=[one for one in lives if one.has_signal], samples=samples, progress=progress,
             )  # fmt: skip
         return StudyResult(
             study=STUDY_NAME,
@@ -669,10 +674,11 @@ def _pictures(
     angle: ShaftAngle | None,
     *,
     healths: dict[str, ChannelReport],
-    seconds: float,
+    lives: Sequence[GaugeAssessment],
+    samples: int,
     progress: room.ProgressCallback,
 ) -> ReportFigures:
-    """Return what a report draws of a plan's gauges."""
+    """Return what a report draws of a plan's gauges, whose lives are these."""
 
     def stress() -> Iterator[FloatArray]:
         return room.gauge_stresses(
@@ -680,6 +686,17 @@ def _pictures(
         )
 
     rate, maps, cuts = recording.rate, list[OrderMap](), None
+    seconds = samples / rate
+    # Damage is counted as a life is: where crests are lost between samples, with these.
+    interpolated = np.array([not math.isnan(one.quality.damage_of_samples_only) for one in lives])
+    over_time = StressHistoryCounter(
+        plan, samples=samples, rate=rate, interpolated=interpolated.tolist()
+    )
+    if interpolated.any():
+        own = rechunk_to_block_size(
+            (x[interpolated] for x in stress()), size=SAMPLES_PER_BLOCK // UPSAMPLING_FACTOR
+        )
+        over_time.count_interpolated(upsample(own), times=UPSAMPLING_FACTOR)
     top = SPECTROGRAM_MAX_HZ
     if angle is not None:
         at = order_windows(angle.rotation, until=seconds)
@@ -689,9 +706,12 @@ def _pictures(
             cuts = order_cuts(stress(), rate=rate, rotation=angle.rotation, at=at)
     return ReportFigures(
         gauges=tuple(g.name for g in plan.gauges),
-        spectrograms=tuple(spectrograms(stress(), rate=rate, seconds=seconds, top=top)),
+        spectrograms=tuple(
+            spectrograms(over_time.observed(stress()), rate=rate, seconds=seconds, top=top)
+        ),
         order_maps=tuple(maps),
         cuts=cuts,
+        histories=over_time.histories(),
     )
 
 
