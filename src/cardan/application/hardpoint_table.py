@@ -147,7 +147,8 @@ def text_with_hardpoints(
     stem = next((a for a in editor.addresses if re.fullmatch(r"driveline\.points_\w+", a)), "")
     if len(application.lines) != 1 or not stem:
         message = "hardpoints need an application with one `driveline`, described by points"
-        raise InvalidFileError(source, (FileIssue(message=message),))
+        hint = "in it, write points_mm in place of slopes or joint_angles"
+        raise InvalidFileError(source, (FileIssue(message=message, hint=hint),))
     count = len(application.lines[0].line.shafts) + 1
     named = _named(points, count, source)
     joints = np.array([named[f"joint {k}"].position for k in range(1, count + 1)])

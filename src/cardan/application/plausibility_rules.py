@@ -232,7 +232,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("gradeability", "the push in the lowest gear over the vehicle's weight", power.gradeability,
       (0.25, 3), hint="is the first gear missing, or the torque a power?"),
     R("shock_factor", "the shock factor", power.shock_factor, (1.2, 6), SPICER_SHOCK,
-      hint="give what the vehicle's use needs: 1 leaves shocks out"),
+      hint="give what the vehicle's use needs: 1, the default, leaves shocks out"),
     # --- limits of the file
     R("looser_limits", "the number of limits that every shipped profile has tighter",
       limit.looser_limits, (0, 0), SHIPPED_LIMITS, hint="what it lets pass no profile would: "

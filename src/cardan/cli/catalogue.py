@@ -101,7 +101,7 @@ def catalogue(
     json_out: str | None,
     lang: str,
 ) -> None:
-    """List what is on a shelf, or what of it carries a torque, with source and how it was read.
+    """List a catalogue, or what of it carries a torque, with source and how it was read.
 
     KIND is joints, tubes, materials, plies, details, metals, tyres, bearings, limits, torsion
     or typical; without one they are counted. NAME leaves the rows that it is a part of; of one

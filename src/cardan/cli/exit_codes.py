@@ -113,7 +113,7 @@ def exit_with_code_2_on_known_errors(command: Command) -> Command:
         except BrokenPipeError:
             raise
         except (CardanError, OSError, CommandError) as error:
-            raise _translated_error(error, kwargs.get("lang", "en")) from error
+            raise _translated_error(error, kwargs.get("lang") or locale_language()) from error
 
     return guarded  # type: ignore[return-value]
 

@@ -74,8 +74,10 @@ def new(
     With two wheelbases it writes FILE-3600.yaml and FILE-4500.yaml: the application before and
     after the change, for `cardan check` to hold side by side.
 
-    With --vecto, --vmod or --hardpoints it holds what those files say. Values that they do not
-    give are placeholders, listed in the file: nothing is evaluated before they are replaced.
+    With --vecto it holds what the job says. Values that no file gives are placeholders, listed in
+    the file: nothing is evaluated before they are replaced.
+
+    With --vmod or --hardpoints alone every other value is that of the starter or of --of.
     """
     from cardan.application import templates
 

@@ -458,7 +458,7 @@ def _graver_items(screen: _Screen) -> Iterator[str]:
     say, of = screen.say, screen.approval
     if warnings := of.application.warnings:
         keys = ", ".join(dict.fromkeys(w.key for w in warnings))
-        yield say("values of the file that look wrong: {keys}", keys=keys)
+        yield say("values, given or assumed, that look wrong: {keys}", keys=keys)
     for f in of.study_results:
         if f.was_run and (f.run_failed or (f.failure_reasons and not f.unevaluated)):
             yield from failure_sentences(f, say)

@@ -388,12 +388,10 @@ def _unevaluated_line(
 
 
 def doubtful_values_text(of: "Approval", say: Translator) -> str:
-    """Return how many values of the file look wrong, which a verdict may hang on; "" if none."""
+    """Return how many values look wrong, which a verdict may hang on; "" if none."""
     if not (keys := {w.key for w in of.application.warnings}):
         return ""
-    return say.count(
-        "{count} value of the file looks wrong", "{count} values of the file look wrong", len(keys)
-    )
+    return say.count("{count} value looks wrong", "{count} values look wrong", len(keys))
 
 
 def failure_sentences(found: StudyResult[Any], say: Translator) -> list[str]:

@@ -36,7 +36,7 @@ BOLD_CODE, RESET_CODE = "\x1b[1m", "\x1b[0m"
 
 
 def summary_lines(of: "Approval", say: Translator = ENGLISH) -> Iterator[str]:
-    """Yield the verdict in a line, with how many values of the file look wrong."""
+    """Yield the verdict in a line, with how many values look wrong."""
     said = coloured_by_grade(
         "warn" if is_partial_approval(of) and of.verdict == "pass" else of.verdict,
         verdict_text(of, say),

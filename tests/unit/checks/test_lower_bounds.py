@@ -146,6 +146,6 @@ def test_bracket_check_of_loads_beyond_stop_warns_at_best(margin):
 def test_value_that_looks_wrong_is_first_before_signing():
     slip = text(BEYOND).replace("length_mm: 1500", "length_mm: 1500\n      phase_deg: 3")
     points = points_before_signing(approve_driveline(reader.loads(slip)), ENGLISH)
-    assert points[0].startswith("values of the file that look wrong: ")
+    assert points[0].startswith("values, given or assumed, that look wrong: ")
     assert "driveline.shafts[2].phase_deg" in points[0]
     assert "assumed" in " ".join(points[1:])

@@ -204,7 +204,7 @@ def test_quiet_verdict_counts_values_that_look_wrong(tmp_path, example, text, sl
     assert text in right
     file = written(tmp_path, right.replace(text, slip))
     (line,) = run("check", "-q", file).stdout.splitlines()
-    assert re.search(rf"; {count} of the file looks? wrong\)$", line), line
+    assert re.search(rf"; {count} looks? wrong\)$", line), line
     assert "look" not in run("check", "-q", EXAMPLES / f"{example}.yaml").stdout
 
 

@@ -326,6 +326,34 @@ def test_hardpoints_of_csv_and_spreadsheet_move_line(tmp_path, table):
     )
 
 
+@pytest.mark.parametrize(
+    ("language", "said"),
+    [("en", "write points_mm in place of slopes"), ("pt", "escreva points_mm no lugar de slopes"),
+     ("it", "scrivere points_mm al posto di slopes")],
+)  # fmt: skip
+def test_hardpoints_for_a_line_of_slopes_name_the_key_to_write(
+    tmp_path, monkeypatch, language, said
+):
+    monkeypatch.setenv("LC_ALL", f"{language}_XX.UTF-8")
+    run("new", "--kind", "small", tmp_path / "own.yaml")
+    (tmp_path / "p.csv").write_text("name,x_m,y_m,z_m\njoint 1,0,0,0\n", "utf-8")
+    out = tmp_path / "out.yaml"
+    made = run("new", out, "--of", tmp_path / "own.yaml", "--hardpoints", tmp_path / "p.csv")
+    assert made.exit_code == 2
+    assert said in made.output
+    assert not out.exists()
+
+
+def test_help_promises_placeholders_for_a_vecto_job_alone(tmp_path):
+    (tmp_path / "p.csv").write_text("name,x_m,y_m,z_m\njoint 1,0,0,0\njoint 2,1.3,0,-.06\n"
+                                    "joint 3,2.8,0,-.17\n", "utf-8")  # fmt: skip
+    run("new", tmp_path / "out.yaml", "--hardpoints", tmp_path / "p.csv")
+    assert "placeholders" not in (tmp_path / "out.yaml").read_text("utf-8")
+    assert "--hardpoints alone every other value is that of the starter" in " ".join(
+        run("new", "--help").output.split()
+    )
+
+
 def test_hardpoints_take_other_units_and_leave_rest_of_file(tmp_path):
     run("new", tmp_path / "own.yaml")
     (tmp_path / "p.csv").write_text("name,x_m,y_m,z_m\njoint 1,0,0,0\njoint 2,1.3,0,-.06\n"

@@ -64,7 +64,8 @@ class JointPair:
     @property
     def ae7_equivalent_angle(self) -> Radian:
         """Equivalent angle by AE-7, for small angles: √|β₁² - β₂² e^{2i(δ - ψ)}|, rad."""
-        side = [0.0, self.angle2 * float(np.sin(self.plane_angle))]
+        # ψ is right-handed, hence from right to up; AE-7 counts the side view down.
+        side = [0.0, -self.angle2 * float(np.sin(self.plane_angle))]
         top = [self.first.angle, self.angle2 * float(np.cos(self.plane_angle))]
         terms = ae7_phasor_terms(side, top, phases=[self.phase])
         return float(ae7_equivalent_angle(terms.sum()))

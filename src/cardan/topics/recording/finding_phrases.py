@@ -58,25 +58,25 @@ CHANNEL_PHRASES = {
     FINDING_DEAD.code: "dead: it never changes",
     "hole": "samples missing: {samples} ({share}), longest hole {hole} s",
     "sentinel": (
-        "samples with a logger's number for no value: {samples}, in {places} places, the "
+        "samples with a logger's number for no value: {samples}; places: {places}, the "
         "first at {first} s"
     ),
-    "spike": "samples like spikes: {samples}, in {places} places, the first at {first} s",
-    "dropout": "samples like dropouts: {samples}, in {places} places, the first at {first} s",
-    "clip": "samples that look clipped: {samples}, in {places} places, the first at {first} s",
-    "freeze": "samples standing still: {samples}, in {places} places, the first at {first} s",
+    "spike": "samples like spikes: {samples}; places: {places}, the first at {first} s",
+    "dropout": "samples like dropouts: {samples}; places: {places}, the first at {first} s",
+    "clip": "samples that look clipped: {samples}; places: {places}, the first at {first} s",
+    "freeze": "samples standing still: {samples}; places: {places}, the first at {first} s",
     "zero-step": "steps of the zero: {places}, the first at {first} s",
     "gain": "changes of the gain: {places}, the first at {first} s",
     "response": (
-        "stops responding while another gauge goes on, wholly or above a frequency: {places} "
-        "places, the first at {first} s"
+        "stops responding while another gauge goes on, wholly or above a frequency; places: "
+        "{places}, the first at {first} s"
     ),
     "noise": (
-        "samples of white noise, as of a contact that chatters: {samples}, in {places} "
-        "places, the first at {first} s"
+        "samples of white noise, as of a contact that chatters: {samples}; places: "
+        "{places}, the first at {first} s"
     ),
     "repeat": (
-        "samples that were there before, to the last digit: {samples}, in {places} places, "
+        "samples that were there before, to the last digit: {samples}; places: {places}, "
         "the first at {first} s"
     ),
     "drift": "drifts by {drift} from its first tenth to its last",
@@ -84,9 +84,7 @@ CHANNEL_PHRASES = {
 }
 """What is said of a channel, by the kind of fault."""
 
-OTHER_FAULT_PHRASE = (
-    "samples that look wrong: {samples}, in {places} places, the first at {first} s"
-)
+OTHER_FAULT_PHRASE = "samples that look wrong: {samples}; places: {places}, the first at {first} s"
 """What is said of a kind of fault without a phrase of its own."""
 
 INTERVAL_PHRASES = {

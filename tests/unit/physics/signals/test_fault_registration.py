@@ -116,6 +116,6 @@ def test_command_names_new_kind(package):
     assert done.returncode in (0, 1), done.stderr
     (gauge,) = json.loads((package / "out.json").read_text(encoding="utf-8"))["gauges"]
     assert [e["kind"] for e in gauge["quality"]["suspects"]] == ["ones"]
-    assert "samples that look wrong: 2, in 2 places, the first at 8 s" in done.stdout
+    assert "samples that look wrong: 2; places: 2, the first at 8 s" in done.stdout
     done = python(package, *asks, "--mask", "ones", "-q")
     assert done.returncode in (0, 1), done.stderr

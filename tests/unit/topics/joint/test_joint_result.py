@@ -57,6 +57,14 @@ def test_phase_for_given_planes_and_what_remains():
     assert left < found.output.irregularity
 
 
+def test_ae7_counts_phase_and_plane_in_the_same_sense_as_the_exact_pair():
+    found = cardan.joint("0.8deg", "3000rpm", angle2="0.6deg", plane_angle="30deg", phase="20deg")
+    left = (0.8**4 + 0.6**4 - 2 * 0.8**2 * 0.6**2 * np.cos(np.radians(2 * (20 - 30)))) ** 0.25
+    assert np.degrees(found.pair.ae7_equivalent_angle) == pytest.approx(left, rel=1e-9)
+    # small angles: AE-7 leaves out terms of β², 1e-4 here
+    assert np.degrees(found.output.angle) == pytest.approx(left, rel=2e-4)
+
+
 def test_largest_angle_for_limits_is_the_smaller_of_both():
     found = cardan.joint(
         speed="3600rpm", acceleration_limit="1000 rad/s²", irregularity_limit="0.5%"

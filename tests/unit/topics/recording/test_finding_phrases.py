@@ -64,7 +64,7 @@ def test_fault_kind_without_phrase_is_named_by_its_places():
     found = Finding("ones").with_values(samples=2, places=1, first=8.0)
     message = finding_message(found)
     assert message.text == OTHER_FAULT_PHRASE
-    assert str(message) == "samples that look wrong: 2, in 1 places, the first at 8 s"
+    assert str(message) == "samples that look wrong: 2; places: 1, the first at 8 s"
 
 
 def test_equal_sentences_are_shown_once():

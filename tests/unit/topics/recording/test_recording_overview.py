@@ -76,7 +76,7 @@ def test_recording_alone_prints_table_and_command(tmp_path):
     (row,) = (line.split() for line in lines if line.startswith("speed "))
     assert row[2:7] == ["shaft", "speed", "10", "2.0005", "6"]
     assert row[-2:] == ["60.0", "%"]
-    assert any("S1: samples standing still: 500, in 1 places, the first at 7 s" in s for s in lines)
+    assert any("S1: samples standing still: 500; places: 1, the first at 7 s" in s for s in lines)
     command = shlex.split(lines[-1])
     assert command == ["cardan", "life", str(path), "--gauge", "S1:MPa", "--speed", "speed:rpm",
                        "--torque", "torque:Nm", "--sn", "MPa,CYCLES,SLOPE"]  # fmt: skip
