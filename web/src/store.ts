@@ -7,7 +7,8 @@ import { SocketConnection, type ConnectionState, sessionToken } from "./socket";
 import { setTexts, t } from "./i18n";
 import type { Campaign, Drag, Edits, Full, Handle, Help, Limit, Live, Named, Pose, PoseRequest, Problem, EvaluationRequest, Revision, Row, Spot, ServerMessage, Welcome } from "./types";
 
-export interface SelectedCell { row: string; state: number; part: number }
+/** `inStrip` says whether it was chosen beside the verdict: its detail opens where it was chosen. */
+export interface SelectedCell { row: string; state: number; part: number; inStrip?: boolean }
 
 export type Notice =
   | { kind: "restored" | "elsewhere"; left: number }
@@ -672,7 +673,9 @@ export class Store {
     if (history && held === null) this.put({ kind: "pose", question: { text: history.text, pose: asked }, commit: false, since: 0, shown: true });
   }
 
+  /** Choose a cell; null takes the detail away, and the keyboard goes back to what opened it. */
   look(selected: SelectedCell | null): void {
+    if (!selected) document.querySelector<HTMLElement>("[aria-controls=detail][aria-expanded=true]")?.focus();
     this.set({ selected });
     const row = selected && this.rows().find((r) => r.id === selected.row);
     // Where it is worst: in its state, and under the torque that winds the axle up there.
