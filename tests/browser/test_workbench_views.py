@@ -189,6 +189,33 @@ def test_short_form_creates_file_with_verdict(browser, tmp_path):
         clean(browser)
 
 
+def test_empty_views_show_example_and_missing_extra(browser, tmp_path, monkeypatch):
+    """They held one line: an extra that was missing was told after a file had been dropped."""
+    absent = [{"use": "MDF4", "extra": "mdf"}, {"use": "bracket", "extra": "bracket"}]
+    monkeypatch.setattr("cardan.web.session.missing_libraries", lambda: absent)
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        show(browser, "variants")
+        assert "For example" in said(browser, "main .card")
+        assert browser.find_elements("css selector", "[data-do=pin]")
+        show(browser, "recording")
+        wait(browser, "return document.querySelector('.drop pre')")
+        assert "cardan[mdf]" in said(browser, ".drop")
+        assert "cardan[bracket]" not in said(browser, ".drop")
+        assert serious(browser) == []
+        show(browser, "bracket")
+        wait(browser, "return document.querySelector('#main [data-do=example]')")
+        assert "cardan[bracket]" in said(browser, "#main .bracket")
+        assert serious(browser) == []
+        press(browser, "[data-do=example]")
+        wait(browser, "return !document.querySelector('[data-do=example]')")
+        wait(browser, SETTLED)
+        show(browser, "line")
+        wait(browser, "return document.querySelector('.editor textarea')")
+        assert reader.loads(text_of(browser)).bracket is not None
+        clean(browser)
+
+
 def test_new_form_takes_own_parts_gears_and_two_wheelbases(browser, tmp_path):
     """A tube from a drawing and a changed wheelbase took an editor and the command line."""
     from selenium.webdriver.support.ui import Select

@@ -74,7 +74,7 @@ export interface Job<Answer = unknown, Part = unknown> {
 
 const start: AppState = {
   connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
-  catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, campaign: null, handles: [],
+  catalogue: { joints: [], tubes: [] }, profiles: [], missing: [], bracket_example: "", files: [], file: null, history: null, live: null, campaign: null, handles: [],
   full: null, settled: false, unfinished: "", pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
   order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, parcel: null, variants: [], revisions: [], freezing: false,
   beside: 0, behind: null,
@@ -167,7 +167,7 @@ export class Store {
         setNumberLanguage(m.lang);
         this.who = m.who;
         document.documentElement.lang = m.lang === "pt" ? "pt-BR" : m.lang;
-        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files.map(showHiddenMarks) });
+        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, missing: m.missing ?? [], bracket_example: m.bracket_example ?? "", files: m.files.map(showHiddenMarks) });
         if (this.known.file !== null) this.rejoin(this.known.file);
         else if (m.files.length === 1) this.open(0);
         break;

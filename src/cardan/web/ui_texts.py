@@ -245,6 +245,12 @@ UI_TEXTS: tuple[str, ...] = (
     "outer diameter",
     "wall",
     "Make a file of each",
+    "A CSV needs nothing more: a heading with units, then a row a sample.",
+    "{formats} files cannot be read yet: pip install 'cardan[{extra}]', then start again",
+    "The bracket cannot be solved yet: pip install 'cardan[bracket]', then start again",
+    "put this example into the file",
+    "For example: pin the line as it is, raise a centre bearing by 5 mm in the drawing, and come "
+    "back.",
     "overrun",
     "overrun, reverse",
     "part",
