@@ -193,6 +193,9 @@ def test_detail_of_criterion_opens_in_sight_where_it_is_chosen(browser, tmp_path
         assert tile.get_attribute("aria-expanded") == "true"
         assert browser.find_elements("css selector", ".strip + .detailed #detail")
         browser.execute_script("document.querySelector('[data-view=speed]').click()")
+        wait(browser, "return !document.querySelector('#detail')")  # what is asked for comes first
+        tile = wait(browser, "return document.querySelectorAll('.worst button')[1]")
+        tile.click()
         wait(browser, IN_SIGHT)
         browser.execute_script("document.querySelector('[data-view=line]').click()")
         cell = wait(browser, "return document.querySelectorAll('.heat .cell.fail')[3]")

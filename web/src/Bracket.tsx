@@ -34,7 +34,7 @@ export default function Bracket({ known }: { known: AppState }) {
 /** The section of a file that has none, and a button that puts it there: undo takes it away. */
 const ExampleBracket = ({ known, text }: { known: AppState; text: string }) => (
   <>
-    <pre>{known.bracket_example.trim()}</pre>
+    <pre tabindex={0}>{known.bracket_example.trim()}</pre>
     <button data-do="example" onClick={() => store.type(`${text.trimEnd()}\n${known.bracket_example}`, false)}>{t("put this example into the file")}</button>
   </>
 );

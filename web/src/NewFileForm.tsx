@@ -82,7 +82,7 @@ export function NewFileForm({ known }: { known: AppState }) {
         <DataTable label={t("From a protractor's readings")} head={["", t("side slope [deg]"), t("top slope [deg]"), ...(pasting ? [] : [`${t("length")} [${form.unit}]`]), `${t("bearing ahead of the rear joint")} [${form.unit}]`, t("phase [deg]"), t("tube"), ...(n > 1 ? [t("bearing stiffness, vertical [N/mm]"), t("bearing stiffness, lateral [N/mm]")] : [])]}>
           {names.map((name, k) => {
             const shaft = k > 0 && k <= n ? form.shafts[k - 1] : undefined;
-            const put = (key: string, label: string) => field(`shafts[${k}].${key}`, `${name}: ${label}`, shaft?.[key] ?? "", (v) => cell("shafts", k - 1, key, v));
+            const put = (key: string, label: string, hint = "") => field(`shafts[${k}].${key}`, `${name}: ${label}`, shaft?.[key] ?? "", (v) => cell("shafts", k - 1, key, v), hint);
             const sloped = !pasting || !shaft;
             return (
               <tr key={k}>
@@ -95,7 +95,7 @@ export function NewFileForm({ known }: { known: AppState }) {
                 <td>{shaft && put("phase", t("phase [deg]"))}</td>
                 <td>{shaft && (
                   <Select label={`${name}: ${t("tube")}`} value={shaft.tube ?? ""} choose={(tube) => cell("shafts", k - 1, "tube", tube)} of={["", [OWN, t("own")], ...known.catalogue.tubes.map((o) => o.name)]} />
-                )}{shaft?.tube === OWN && <span class="own">{put("outer", `${t("outer diameter")} [${form.unit}]`)} × {put("wall", `${t("wall")} [${form.unit}]`)}</span>}</td>
+                )}{shaft?.tube === OWN && <span class="own">{put("outer", `${t("outer diameter")} [${form.unit}]`, "Ø")} × {put("wall", `${t("wall")} [${form.unit}]`, t("wall"))}</span>}</td>
                 {n > 1 && (["vertical", "lateral"] as const).map((way) => <td key={way}>{shaft && k < n && put(way, t(way === "vertical" ? "bearing stiffness, vertical [N/mm]" : "bearing stiffness, lateral [N/mm]"))}</td>)}
               </tr>
             );

@@ -48,7 +48,7 @@ function EmptyRecording({ known }: { known: AppState }) {
   return (
     <>
       <p>{t("A CSV needs nothing more: a heading with units, then a row a sample.")}</p>
-      <pre>{EXAMPLE}</pre>
+      <pre tabindex={0}>{EXAMPLE}</pre>
       {known.missing.filter((m) => m.extra !== "bracket").map((m) => <p key={m.use} class="note warn">{t("{formats} files cannot be read yet: pip install 'cardan[{extra}]', then start again", { formats: m.use, extra: m.extra })}</p>)}
     </>
   );

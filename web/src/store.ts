@@ -339,7 +339,12 @@ export class Store {
   }
 
   /** What an editor has not told yet goes with it: it is asked for first. */
-  show(view: View): void { this.pending?.(); this.set({ view }); }
+  show(view: View): void {
+    this.pending?.();
+    // A detail beside the verdict would push what was asked for below the screen.
+    const selected = this.known.selected?.inStrip ? null : this.known.selected;
+    this.set({ view, selected });
+  }
 
   private opened(m: Extract<ServerMessage, { type: "opened" }>): void {
     const mine = this.known.history;
