@@ -4,8 +4,10 @@ Needs the built page: `make browser` builds it.
 """
 
 import csv
+import re
 import sys
 import time
+from contextlib import contextmanager
 from importlib import resources
 from io import StringIO
 from pathlib import Path
@@ -158,6 +160,82 @@ def test_heat_map_cell_opens_its_part_equation_and_source(browser, tmp_path):
         assert browser.find_elements("css selector", ".drawing .chosen")
         state = browser.find_element("css selector", ".poser .chips [aria-pressed='true']").text
         assert state in detail
+
+
+@contextmanager
+def sized(driver, width):
+    """A screen of that width, 844 high."""
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
+        "width": width, "height": 844, "deviceScaleFactor": 1, "mobile": width < 500,
+    })  # fmt: skip
+    try:
+        yield
+    finally:
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+IN_SIGHT = """
+const box = document.querySelector('#detail')?.getBoundingClientRect();
+return box && box.top >= 0 && box.bottom <= innerHeight;
+"""
+
+
+@pytest.mark.parametrize("width", [1440, 390])
+def test_detail_of_criterion_opens_in_sight_where_it_is_chosen(browser, tmp_path, width):
+    """It opened below the map: a click on a worst criterion seemed to do nothing."""
+    from selenium.webdriver.common.keys import Keys
+
+    with workbench(tmp_path) as (house, _), sized(browser, width):
+        opened(browser, house)
+        tile = browser.find_element("css selector", ".worst li:nth-child(2) button")
+        tile.click()
+        wait(browser, IN_SIGHT)
+        assert tile.get_attribute("aria-expanded") == "true"
+        assert browser.find_elements("css selector", ".strip + .detailed #detail")
+        browser.execute_script("document.querySelector('[data-view=speed]').click()")
+        wait(browser, "return !document.querySelector('#detail')")  # what is asked for comes first
+        tile = wait(browser, "return document.querySelectorAll('.worst button')[1]")
+        tile.click()
+        wait(browser, IN_SIGHT)
+        browser.execute_script("document.querySelector('[data-view=line]').click()")
+        cell = wait(browser, "return document.querySelectorAll('.heat .cell.fail')[3]")
+        browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", cell)
+        cell.send_keys(Keys.ENTER)
+        wait(browser, "return document.querySelector('.heat .opened #detail')")
+        wait(browser, IN_SIGHT)
+        (name,) = browser.find_elements("css selector", "#detail")
+        row = "return arguments[0].closest('tr').nextElementSibling.className"
+        assert browser.execute_script(row, cell) == "opened"
+        assert cell.get_attribute("aria-expanded") == "true"
+        assert name.text in cell.get_attribute("aria-label")
+        close = browser.find_element("css selector", ".detail header button")
+        close.send_keys(Keys.ESCAPE)
+        wait(browser, "return !document.querySelector('#detail')")
+        assert browser.switch_to.active_element == cell
+        clean(browser)
+
+
+def test_content_begins_in_upper_third_of_telephone(browser, tmp_path):
+    """Five tiles of the worst criteria filled the screen: the drawing began 700 px down."""
+    from selenium.webdriver.support.ui import Select
+
+    with workbench(tmp_path) as (house, _), sized(browser, 390):
+        opened(browser, house)
+        rect = "return document.querySelector(arguments[0]).getBoundingClientRect()"
+        for lang in ("pt", "it", "en"):
+            chosen = browser.find_element("css selector", ".tools select")
+            Select(chosen).select_by_visible_text(lang)
+            wait(browser, "return document.documentElement.lang.startsWith(arguments[0])", lang)
+            wait(browser, SETTLED)
+            assert browser.execute_script(rect, ".columns")["top"] <= 844 / 3
+            assert browser.execute_script(rect, ".verdict")["height"] < 40
+            assert browser.execute_script(rect, ".worst")["height"] < 60
+            tiles = browser.execute_script("return document.querySelector('.worst').textContent")
+            percents = [int(p) for p in re.findall(r"\d+(?= %)", tiles)]
+            assert percents
+            assert max(percents) <= 100
+            assert "\u2265 " in tiles  # the rubber is on its stop: that force is a lower bound
+        clean(browser)
 
 
 CELLS = """

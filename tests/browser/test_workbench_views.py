@@ -189,6 +189,76 @@ def test_short_form_creates_file_with_verdict(browser, tmp_path):
         clean(browser)
 
 
+def test_empty_views_show_example_and_missing_extra(browser, tmp_path, monkeypatch):
+    """They held one line: an extra that was missing was told after a file had been dropped."""
+    absent = [{"use": "MDF4", "extra": "mdf"}, {"use": "bracket", "extra": "bracket"}]
+    monkeypatch.setattr("cardan.web.session.missing_libraries", lambda: absent)
+    with workbench(tmp_path, CHAIN, "chain.yaml") as (house, _):
+        opened(browser, house)
+        show(browser, "variants")
+        assert "For example" in said(browser, "main .card")
+        assert browser.find_elements("css selector", "[data-do=pin]")
+        show(browser, "recording")
+        wait(browser, "return document.querySelector('.drop pre')")
+        assert "cardan[mdf]" in said(browser, ".drop")
+        assert "cardan[bracket]" not in said(browser, ".drop")
+        assert serious(browser) == []
+        show(browser, "bracket")
+        wait(browser, "return document.querySelector('#main [data-do=example]')")
+        assert "cardan[bracket]" in said(browser, "#main .bracket")
+        assert serious(browser) == []
+        press(browser, "[data-do=example]")
+        wait(browser, "return !document.querySelector('[data-do=example]')")
+        wait(browser, SETTLED)
+        show(browser, "line")
+        wait(browser, "return document.querySelector('.editor textarea')")
+        assert reader.loads(text_of(browser)).bracket is not None
+        clean(browser)
+
+
+def test_new_form_takes_own_parts_gears_and_two_wheelbases(browser, tmp_path):
+    """A tube from a drawing and a changed wheelbase took an editor and the command line."""
+    from selenium.webdriver.support.ui import Select
+
+    typed = {
+        "title": "Tipper", "engine_torque": "500", "engine_speed": "1400", "ratios": "6.7 3.8 1",
+        "joint_peak": "9000", "wheelbase_from": "3600", "wheelbase_to": "4100",
+        **{f"members[{k}].side": slope for k, slope in enumerate(("3", "1", "4.5", "2"), 1)},
+        "shafts[1].length": "1200", "shafts[2].length": "1500", "shafts[1].bearing": "140",
+        "shafts[2].outer": "100", "shafts[2].wall": "3.5",
+        "shafts[1].vertical": "200", "shafts[1].lateral": "120",
+    }  # fmt: skip
+    with workbench(tmp_path, folder=True) as (house, folder):
+        arrived(browser, house)
+        wait(browser, "return document.querySelector('.guide')")
+        Select(browser.find_element("css selector", "[data-field=count]")).select_by_index(1)
+        joint = browser.find_element("css selector", "[data-field=joint]")
+        Select(joint).select_by_visible_text("own")
+        for k in (1, 2):
+            tube = browser.find_element("css selector", f"[aria-label='shaft {k}: tube']")
+            Select(tube).select_by_visible_text("own" if k == 2 else "90x3")
+        for field, value in typed.items():
+            fill(browser, field, value)
+        wait(
+            browser,
+            "return document.querySelector('.guided .make:enabled')?.innerText.includes('each')",
+        )
+        assert serious(browser) == []
+        press(browser, ".guided .make")
+        wait(browser, SETTLED)
+        wait(
+            browser,
+            "return document.querySelector('.head option:checked').innerText.includes('4100')",
+        )
+        was, now = (reader.read(folder / f"tipper-{size}.yaml") for size in (3600, 4100))
+        assert now.lines[0].line.shafts[1].tube.outer == pytest.approx(0.1)
+        assert now.lines[0].line.joints[0].peak_torque == 9000
+        assert now.lines[0].layout.points[-1][0] - was.lines[0].layout.points[-1][
+            0
+        ] == pytest.approx(0.5, abs=1e-4)
+        clean(browser)
+
+
 KEY, POINT, REACH, THINK = 0.28, 1.10, 0.40, 1.35
 """s: a key of an average typist, pointing, a hand between mouse and keys, making up a mind.
 

@@ -8,9 +8,9 @@ import { CorrectionsView } from "./Corrections";
 import { Drawing, type ShownLine } from "./Drawing";
 import { YokePhaseDials } from "./YokePhaseDials";
 import { Editor } from "./Editor";
-import { formatNumber, formatPercent } from "./format";
+import { formatNumber, marginText } from "./format";
 import { NewFileForm } from "./NewFileForm";
-import { LimitDetail, MarginHeatmap } from "./MarginHeatmap";
+import { atLeast, disclosed, LimitDetail, MarginHeatmap } from "./MarginHeatmap";
 import { Suggestions } from "./Suggestions";
 import { hasUnsavedEdits } from "./history";
 import { Library, LibraryView } from "./Library";
@@ -35,7 +35,7 @@ const StillViews = memoisedCard<Both>("views", Views, (p) => [...drawn(p), p.kno
 const StillAngles = memoisedCard<Both>("angles", JointAngleTable, (p) => [...drawn(p), p.known.jobs, p.known.pose?.line, p.known.pose?.torque]);
 const StillPhasors = memoisedCard<Both>("phasors", Phasors, drawn);
 const judged = ({ known: k }: { known: AppState }): unknown[] => [k.live?.limits, k.live?.states, k.full, k.order, k.settled, k.unfinished, k.lang];
-const StillStrip = memoised<{ known: AppState }>(Strip, (p) => [...judged(p), p.known.live?.profile]);
+const StillStrip = memoised<{ known: AppState }>(Strip, (p) => [...judged(p), p.known.live?.profile, p.known.selected, p.known.view]);
 const StillHeat = memoisedCard<{ known: AppState }>("heat", MarginHeatmap, (p) => [...judged(p), p.known.selected, p.known.asked.state ?? p.known.pose?.state]);
 const StillHead = memoised<{ known: AppState }>(Head, ({ known: k }) => [k.history, named(k), k.files, k.file, k.connection, k.lang, k.theme, k.fixed]);
 
@@ -65,6 +65,7 @@ export function App() {
         {shown && (
           <>
             {known.view !== "new" && <StillStrip known={known} />}
+            {known.view !== "new" && known.selected?.inStrip && <LimitDetail known={known} />}
             {!known.fixed && <Tabs known={known} views={VIEWS} />}
             {known.view === "new" && <NewFileForm known={known} />}
             {known.view === "variants" && <Variants known={known} />}
@@ -84,7 +85,6 @@ export function App() {
               </div>
               <div class="right">
                 <StillHeat known={known} />
-                <LimitDetail known={known} />
                 {!known.fixed && <StillHelps known={known} />}
                 <StillPhasors known={known} shown={shown} />
                 {!known.fixed && <StillDials known={known} shown={shown} />}
@@ -230,12 +230,13 @@ function Strip({ known }: { known: AppState }) {
           const s = worstState(row);
           const p = worstPart(row, s);
           const grade = row.grades[s]?.[p] === 2 ? "fail" : "warn";
+          const open = known.selected?.inStrip === true && known.selected.row === row.id;
           return (
             <li key={row.id}>
-              <button class={grade} onClick={() => store.look({ row: row.id, state: s, part: p })}>
+              <button class={grade} {...disclosed(open)} onClick={() => store.look(open ? null : { row: row.id, state: s, part: p, inStrip: true })}>
                 <b>{live && live.lines.length > 1 && `${row.line}: `}{row.name}</b>
                 <span>{row.points?.[s]?.[p] || live?.states[s]?.said}{row.parts[p] ? `, ${row.parts[p]}` : ""}</span>
-                <span>{formatNumber(row.values[s]?.[p])} {row.unit} <i>{formatPercent(row.margins[s]?.[p])} %</i></span>
+                <span>{atLeast(row, s, p)}{formatNumber(row.values[s]?.[p])} {row.unit} <i>{marginText(row.margins[s]?.[p])}</i></span>
               </button>
             </li>
           );

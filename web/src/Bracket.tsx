@@ -4,7 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import * as THREE from "three";
 import { ReportBlocks } from "./Blocks";
 import { Card } from "./Card";
-import { formatFixed, formatNumber, formatPercent } from "./format";
+import { formatFixed, formatNumber, marginText } from "./format";
 import { toSceneAxes, surfaceMaterial, useScene3d, type Scene3d } from "./scene3d";
 import { store, type Job, type AppState } from "./store";
 import { t } from "./i18n";
@@ -20,14 +20,24 @@ export default function Bracket({ known }: { known: AppState }) {
   return (
     <>
       <Card id="bracket" title={t("The bracket")} head={<><JobButton job={job} name="bracket" word={t("solve it")} stale={job?.of !== store.about({})} ask={() => store.work("bracket")} />{of && <b class={of.verdict}>{t(of.verdict)}</b>}</>}>
+        {!of && known.missing.some((m) => m.extra === "bracket") && <p class="note warn">{t("The bracket cannot be solved yet: pip install 'cardan[bracket]', then start again")}</p>}
         {!of && <p class="note">{t("Finite elements under the loads of every state: some minutes. Its shape: bracket in the file.")}</p>}
-        {of && <ul class="others">{of.checks.map((c) => <li key={c.quantity + c.where}><b class={c.grade}>{t(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} {c.unit} ({formatPercent(c.margin)} %)</li>)}</ul>}
+        {!of && known.history && !/^bracket:/m.test(known.history.text) && <ExampleBracket known={known} text={known.history.text} />}
+        {of && <ul class="others">{of.checks.map((c) => <li key={c.quantity + c.where}><b class={c.grade}>{t(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} {c.unit} ({marginText(c.margin)})</li>)}</ul>}
       </Card>
       {of && <Shape key={job?.id} of={of} />}
       {of && <section class="card"><ReportBlocks of={of.blocks} /></section>}
     </>
   );
 }
+
+/** The section of a file that has none, and a button that puts it there: undo takes it away. */
+const ExampleBracket = ({ known, text }: { known: AppState; text: string }) => (
+  <>
+    <pre tabindex={0}>{known.bracket_example.trim()}</pre>
+    <button data-do="example" onClick={() => store.type(`${text.trimEnd()}\n${known.bracket_example}`, false)}>{t("put this example into the file")}</button>
+  </>
+);
 
 const bytes = (packed: string): ArrayBuffer => Uint8Array.from(atob(packed), (c) => c.charCodeAt(0)).buffer;
 

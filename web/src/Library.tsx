@@ -2,7 +2,7 @@
 
 import { useEffect, useState } from "preact/hooks";
 import { Card, Select } from "./Card";
-import { formatPercent, showHiddenMarks } from "./format";
+import { marginText, showHiddenMarks } from "./format";
 import { JobButton } from "./SpeedView";
 import { store, type Job, type AppState } from "./store";
 import { t } from "./i18n";
@@ -40,7 +40,7 @@ export function Library({ known }: { known: AppState }) {
               <input type="checkbox" disabled={!r.verdict} aria-label={t("compare {file}", { file: showHiddenMarks(r.name) })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
               <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? r.headline || t(r.verdict) : r.title ? t("campaign") : t("unreadable")}</b>
               <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{showHiddenMarks(r.name)}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
-              <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${formatPercent(r.worst.margin)} %`)}</span>
+              <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${marginText(r.worst.margin)}`)}</span>
             </li>
           ))}
         </ul>

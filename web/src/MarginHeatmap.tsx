@@ -1,7 +1,9 @@
 // Limits by states: the margin as colour and number; a click shows what it is about.
 
+import { Fragment } from "preact";
+import { useEffect, useRef } from "preact/hooks";
 import { Card, DataTable } from "./Card";
-import { formatNumber, formatPercent } from "./format";
+import { formatNumber, formatPercent, marginText } from "./format";
 import { GRADES } from "./gradeLookup";
 import { store, worstPart, type AppState } from "./store";
 import { t } from "./i18n";
@@ -18,14 +20,21 @@ export function MarginHeatmap({ known }: { known: AppState }) {
   return (
     <Card id="heat" title={t("Limits by state")} note={t("margin in %, where it is smallest")} head={<button class="plain" onClick={() => store.resort()}>{t("worst first")}</button>}>
       <div class="scroll" tabindex={0} role="region" aria-label={t("Limits by state")}>
-        <table>
+        <table class="cells">
           <thead>
             <tr>
               <th scope="col">{t("limit")}</th>
               {live.states.map((s, k) => (<th key={s.name} scope="col" class={k === (known.asked.state ?? known.pose?.state) ? "now" : ""}><span>{s.said}</span></th>))}
             </tr>
           </thead>
-          <tbody>{rows.map((row) => (<StillRow key={row.id} row={row} known={known} several={several} />))}</tbody>
+          <tbody>
+            {rows.map((row) => (
+              <Fragment key={row.id}>
+                <StillRow row={row} known={known} several={several} />
+                {known.selected?.row === row.id && !known.selected.inStrip && <tr class="opened"><td colSpan={live.states.length + 1}><LimitDetail known={known} /></td></tr>}
+              </Fragment>
+            ))}
+          </tbody>
         </table>
       </div>
       <Others full={known.full} />
@@ -45,7 +54,7 @@ const StillRow = memoised<Of>(HeatRow, ({ row, known, several }) => [
   row.name,
   row.values && seen(row),
   "points" in row && !known.settled,
-  known.selected?.row === row.id ? known.selected.state : null,
+  known.selected?.row === row.id ? `${known.selected.state} ${known.selected.inStrip}` : null,
   known.live?.states.length,
   several,
   known.lang,
@@ -71,14 +80,15 @@ function HeatRow({ row, known, several }: Of) {
         if (p < 0 || grade === null) return <td key={s.name} />;
         const margin = row.margins[k]?.[p];
         const chosen = known.selected?.row === row.id && known.selected.state === k;
+        const open = chosen && !known.selected?.inStrip;
         const part = row.parts[p] ?? "";
         return (
           <td key={s.name}>
             <button
               class={`cell ${GRADES[grade]} ${near(margin)} ${chosen ? "chosen" : ""}`}
-              aria-pressed={chosen}
+              {...disclosed(open)}
               aria-label={`${row.name}, ${s.said}${part ? `, ${part}` : ""}: ${t(GRADES[grade] ?? "")}, ${formatPercent(margin)} %`}
-              onClick={() => store.look(chosen ? null : { row: row.id, state: k, part: p })}
+              onClick={() => store.look(open ? null : { row: row.id, state: k, part: p })}
             >
               {formatPercent(margin)}
             </button>
@@ -92,6 +102,16 @@ function HeatRow({ row, known, several }: Of) {
 /** How near to its limit what passes is: a shade more. */
 const near = (margin: number | null | undefined): string =>
   margin !== null && margin !== undefined && margin < 0.1 ? "near" : "";
+
+/** What a button that opens the detail of a limit says of itself to a screen reader. */
+export const disclosed = (open: boolean) => ({ "aria-expanded": open, ...(open && { "aria-controls": "detail", onKeyDown: closeOnEscape }) });
+
+function closeOnEscape(e: KeyboardEvent): void {
+  if (e.key === "Escape") store.look(null);
+}
+
+/** "≥ " before a value that is known as a lower bound alone. */
+export const atLeast = (row: Row, s: number, p: number): string => (row.bounds?.[s]?.[p] ? "≥ " : "");
 
 export function limitText(row: Limit): string {
   const unit = row.unit ? ` ${row.unit}` : "";
@@ -128,15 +148,17 @@ function Others({ full }: { full: Full | null }) {
   );
 }
 
-/** What a cell is about: its parts, the equation, the source of the limit. */
+/** What a cell is about: its parts, the equation, the source of the limit. It opens in sight, and Escape closes it. */
 export function LimitDetail({ known }: { known: AppState }) {
   const { selected, live } = known;
+  const box = useRef<HTMLDivElement>(null);
+  useEffect(() => box.current?.scrollIntoView({ block: "nearest" }), [selected?.row, selected?.state, selected?.inStrip]);
   const row = store.rows().find((r) => r.id === selected?.row);
   if (!selected || !live || !row?.values) return null;
   const q = known.quantities[row.quantity];
   const state = live.states[selected.state];
   return (
-    <Card id="detail" title={row.name} note={state?.said} head={<button class="plain" onClick={() => store.look(null)} aria-label={t("close")}>✕</button>}>
+    <div class="detailed" ref={box} onKeyDown={closeOnEscape}><Card id="detail" title={row.name} note={state?.said} head={<button class="plain" onClick={() => store.look(null)} aria-label={t("close")}>✕</button>}>
       <DataTable label={row.name} head={[t("part"), [t("value")], [t("limit")], [t("margin")]]}>
         {row.parts.map((part, p) => {
           const grade = row.grades[selected.state]?.[p];
@@ -149,9 +171,9 @@ export function LimitDetail({ known }: { known: AppState }) {
                 </button>
                 {row.points?.[selected.state]?.[p] && <small>{row.points[selected.state]?.[p]}</small>}
               </th>
-              <td class="n">{formatNumber(row.values[selected.state]?.[p])} {row.unit}</td>
+              <td class="n">{atLeast(row, selected.state, p)}{formatNumber(row.values[selected.state]?.[p])} {row.unit}</td>
               <td class="n">{limitText(row)}</td>
-              <td class={`n ${GRADES[grade]}`}>{formatPercent(row.margins[selected.state]?.[p])} %</td>
+              <td class={`n ${GRADES[grade]}`}>{marginText(row.margins[selected.state]?.[p])}</td>
             </tr>
           );
         })}
@@ -166,6 +188,6 @@ export function LimitDetail({ known }: { known: AppState }) {
           <dt>{t("Source of the limit")}</dt><dd>{row.source}</dd>
         </dl>
       )}
-    </Card>
+    </Card></div>
   );
 }

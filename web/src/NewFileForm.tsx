@@ -2,7 +2,7 @@
 
 import { useEffect, useState } from "preact/hooks";
 import { Card, Select, DataTable } from "./Card";
-import { formatFixed, formatNumber, formatPercent } from "./format";
+import { formatFixed, formatNumber, marginText } from "./format";
 import { store, type Job, type AppState } from "./store";
 import { t } from "./i18n";
 import type { Guided } from "./types";
@@ -13,7 +13,14 @@ type Cells = Record<string, string>;
 const MOST = 20_000;
 const FIELD = 200;
 
-const EMPTY = { title: "", speed: "", torque: "", limits: "body-builder", joint: "", unit: "mm", axes: "rear", points: "", members: [{}, {}, {}] as Cells[], shafts: [{}] as Cells[] };
+/** What a part is called whose sizes are typed, not chosen: the server knows it by that name. */
+const OWN = "own";
+
+const EMPTY = {
+  title: "", speed: "", torque: "", limits: "body-builder", joint: "", joint_name: "", joint_peak: "", joint_reversing: "", joint_bearing: "", joint_angle: "",
+  engine_torque: "", engine_speed: "", ratios: "", reverse: "", wheelbase_from: "", wheelbase_to: "",
+  unit: "mm", axes: "rear", points: "", members: [{}, {}, {}] as Cells[], shafts: [{}] as Cells[],
+};
 type Form = typeof EMPTY;
 
 export function NewFileForm({ known }: { known: AppState }) {
@@ -36,8 +43,12 @@ export function NewFileForm({ known }: { known: AppState }) {
     change({ shafts, members: [...members.slice(0, n + 1), form.members.at(-1) ?? {}] });
   };
   const fields: Record<string, string> = {};
-  const field = (key: string, name: string, value: string, put: (v: string) => void) => (fields[key] = name) && (
-    <input value={value} inputMode="decimal" aria-label={name} data-field={key} aria-invalid={value !== "" && wrong.has(key)} title={wrong.get(key) ?? ""} maxLength={FIELD} onInput={(e) => put(e.currentTarget.value.slice(0, FIELD))} />
+  const field = (key: string, name: string, value: string, put: (v: string) => void, hint = "") => (fields[key] = name) && (
+    <input value={value} placeholder={hint} inputMode={key === "joint_name" || key === "ratios" ? "text" : "decimal"} aria-label={name} data-field={key} aria-invalid={value !== "" && wrong.has(key)} title={wrong.get(key) ?? ""} maxLength={FIELD} onInput={(e) => put(e.currentTarget.value.slice(0, FIELD))} />
+  );
+  type Typed = "joint_name" | "joint_peak" | "joint_reversing" | "joint_bearing" | "joint_angle" | "engine_torque" | "engine_speed" | "ratios" | "reverse" | "wheelbase_from" | "wheelbase_to";
+  const named = (key: Typed, name: string, hint = "") => (
+    <label>{name}{field(key, name, form[key], (v) => change({ [key]: v }), hint)}</label>
   );
   const n = form.shafts.length;
   const names = [t("gearbox"), ...form.shafts.map((_, k) => t("shaft {n}", { n: k + 1 })), t("pinion")];
@@ -55,20 +66,23 @@ export function NewFileForm({ known }: { known: AppState }) {
           <label>{t("title")}<input value={form.title} data-field="title" maxLength={300} onInput={(e) => change({ title: e.currentTarget.value.slice(0, 300) })} /></label>
           <label>{t("top speed [rpm]")}{field("speed", t("top speed [rpm]"), form.speed, (v) => change({ speed: v }))}</label>
           <label>{t("largest torque [N·m]")}{field("torque", t("largest torque [N·m]"), form.torque, (v) => change({ torque: v }))}</label>
-          <label>{t("joints")}<Select value={form.joint} data-field="joint" choose={(joint) => change({ joint })} of={["", ...known.catalogue.joints.map((o) => o.name)]} /></label>
+          <label>{t("joints")}<Select value={form.joint} data-field="joint" choose={(joint) => change({ joint })} of={["", [OWN, t("own")], ...known.catalogue.joints.map((o) => o.name)]} /></label>
           <label>{t("shafts")}<Select value={String(n)} data-field="count" choose={(k) => count(Number(k))} of={["1", "2", "3", "4", "5", "6"]} /></label>
           <label>{t("lengths in")}<Select value={form.unit} choose={(unit) => change({ unit })} of={["mm", "in"]} /></label>
           <label>{t("limits")}<Select value={form.limits} data-field="limits" choose={(limits) => change({ limits })} of={known.profiles} /></label>
         </div>
+        {form.joint === OWN && <fieldset class="fields"><legend class="note">{t("own joint")}</legend>{named("joint_name", t("name of the joint"))}{named("joint_peak", `${t("elastic limit")} [N·m]`)}{named("joint_reversing", `${t("fatigue")} [N·m]`)}{named("joint_bearing", `${t("bearings")} [N·m]`)}{named("joint_angle", t("largest angle [deg]"))}</fieldset>}
+        <fieldset class="fields"><legend class="note">{t("engine and gears: the torque of each gear follows")}</legend>{named("engine_torque", t("engine torque [N·m]"))}{named("engine_speed", t("at engine speed [rpm]"))}{named("ratios", t("ratios, lowest gear first"), "6.7 3.8 2.3 1")}{named("reverse", t("reverse ratio"))}</fieldset>
+        <fieldset class="fields"><legend class="note">{t("another wheelbase: a file of each")}</legend>{named("wheelbase_from", `${t("wheelbase before")} [${form.unit}]`)}{named("wheelbase_to", `${t("wheelbase after")} [${form.unit}]`)}</fieldset>
         <div class="chips" role="group" aria-label={t("The line by")}>
           <button aria-pressed={!pasting} onClick={() => paste(false)}>{t("slopes and lengths")}</button>
           <button aria-pressed={pasting} data-way="points" onClick={() => paste(true)}>{t("points, pasted from a spreadsheet")}</button>
         </div>
         {pasting && <PointsTableField form={form} change={change} invalid={wrong.has("points") || [...wrong.keys()].some((k) => k.startsWith("row"))} />}
-        <DataTable label={t("From a protractor's readings")} head={["", t("side slope [deg]"), t("top slope [deg]"), ...(pasting ? [] : [`${t("length")} [${form.unit}]`]), `${t("bearing ahead of the rear joint")} [${form.unit}]`, t("phase [deg]"), t("tube")]}>
+        <DataTable label={t("From a protractor's readings")} head={["", t("side slope [deg]"), t("top slope [deg]"), ...(pasting ? [] : [`${t("length")} [${form.unit}]`]), `${t("bearing ahead of the rear joint")} [${form.unit}]`, t("phase [deg]"), t("tube"), ...(n > 1 ? [t("bearing stiffness, vertical [N/mm]"), t("bearing stiffness, lateral [N/mm]")] : [])]}>
           {names.map((name, k) => {
             const shaft = k > 0 && k <= n ? form.shafts[k - 1] : undefined;
-            const put = (key: string, label: string) => field(`shafts[${k}].${key}`, `${name}: ${label}`, shaft?.[key] ?? "", (v) => cell("shafts", k - 1, key, v));
+            const put = (key: string, label: string, hint = "") => field(`shafts[${k}].${key}`, `${name}: ${label}`, shaft?.[key] ?? "", (v) => cell("shafts", k - 1, key, v), hint);
             const sloped = !pasting || !shaft;
             return (
               <tr key={k}>
@@ -80,8 +94,9 @@ export function NewFileForm({ known }: { known: AppState }) {
                 <td>{shaft && k < n && put("bearing", t("bearing ahead of the rear joint"))}</td>
                 <td>{shaft && put("phase", t("phase [deg]"))}</td>
                 <td>{shaft && (
-                  <Select label={`${name}: ${t("tube")}`} value={shaft.tube ?? ""} choose={(tube) => cell("shafts", k - 1, "tube", tube)} of={["", ...known.catalogue.tubes.map((o) => o.name)]} />
-                )}</td>
+                  <Select label={`${name}: ${t("tube")}`} value={shaft.tube ?? ""} choose={(tube) => cell("shafts", k - 1, "tube", tube)} of={["", [OWN, t("own")], ...known.catalogue.tubes.map((o) => o.name)]} />
+                )}{shaft?.tube === OWN && <span class="own">{put("outer", `${t("outer diameter")} [${form.unit}]`, "Ø")} × {put("wall", `${t("wall")} [${form.unit}]`, t("wall"))}</span>}</td>
+                {n > 1 && (["vertical", "lateral"] as const).map((way) => <td key={way}>{shaft && k < n && put(way, t(way === "vertical" ? "bearing stiffness, vertical [N/mm]" : "bearing stiffness, lateral [N/mm]"))}</td>)}
               </tr>
             );
           })}
@@ -96,14 +111,32 @@ export function NewFileForm({ known }: { known: AppState }) {
             <ul class="others">
               {of.unanswered.map((u) => <li key={u}>{u}</li>)}
               {of.warnings.map((w) => <li key={w} class="warn"><b>{t("warn")}</b> {w}</li>)}
-              {of.checks.map((c, k) => <li key={k} class={c.grade}><b>{t(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} {c.sense === "<=" ? "≤" : "≥"} {formatNumber(c.bound)} {c.unit} ({formatPercent(c.margin)} %)</li>)}
+              {of.checks.map((c, k) => <CheckLine key={k} of={c} />)}
             </ul>
-            <button class="make" disabled={!current} onClick={() => store.create(form.title || "driveline", of.draft)}>{t("Make a file of it")}</button>
+            {of.after && (
+              <>
+                <p><b>{t("wheelbase after")}</b> {form.wheelbase_to} {form.unit}: <b class={of.after.verdict}>{of.after.headline || t(of.after.verdict)}</b></p>
+                <ul class="others">{of.after.checks.map((c, k) => <CheckLine key={k} of={c} />)}</ul>
+              </>
+            )}
+            <button class="make" disabled={!current} onClick={() => create(form, of)}>{of.after ? t("Make a file of each") : t("Make a file of it")}</button>
           </>
         )}
       </Card></div>
     </div>
   );
+}
+
+const CheckLine = ({ of: c }: { of: Guided["checks"][number] }) => (
+  <li class={c.grade}><b>{t(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} {c.sense === "<=" ? "≤" : "≥"} {formatNumber(c.bound)} {c.unit} ({marginText(c.margin)})</li>
+);
+
+/** Write the file of a form; with two wheelbases one of each, and the later one is opened. */
+function create(form: Form, of: Guided): void {
+  const title = form.title || "driveline";
+  if (!of.after) return store.create(title, of.draft);
+  store.create(`${title} ${form.wheelbase_from}`, of.draft);
+  store.create(`${title} ${form.wheelbase_to}`, of.after.draft);
 }
 
 /** A field that takes a table of points, in either of the axes they are drawn in. */

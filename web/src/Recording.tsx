@@ -29,6 +29,7 @@ export function Recording({ known }: { known: AppState }) {
           <label class="pick">{t("choose a file")}<input type="file" data-field="recording" onChange={(e) => take((e.currentTarget as HTMLInputElement).files)} /></label>
           <span class="note">{t("or drop it here, up to 256 MB; it stays on this machine")}</span>
         </header>
+        {!p && <EmptyRecording known={known} />}
         {p && !come && <p class="note" role="status">{p.name} <progress max={p.size} value={p.got} aria-label={p.name} /></p>}
         {job?.running && <p class="note" role="status">{t("reading …")}</p>}
         {come && job?.why && <p class="fail">{job.why}</p>}
@@ -36,6 +37,19 @@ export function Recording({ known }: { known: AppState }) {
         {of?.notes.map((n) => <p key={n} class="note">{n}</p>)}
       </section>
       {of && p && <Asked key={p.id} of={of} known={known} />}
+    </>
+  );
+}
+
+const EXAMPLE = "time [s],gauge 1 [um/m],shaft speed [rpm]\n0.000,12.1,1480\n0.001,14.8,1480\n0.002,11.9,1481";
+
+/** What a recording looks like, and which formats cannot be read as installed: said before a file is dropped. */
+function EmptyRecording({ known }: { known: AppState }) {
+  return (
+    <>
+      <p>{t("A CSV needs nothing more: a heading with units, then a row a sample.")}</p>
+      <pre tabindex={0}>{EXAMPLE}</pre>
+      {known.missing.filter((m) => m.extra !== "bracket").map((m) => <p key={m.use} class="note warn">{t("{formats} files cannot be read yet: pip install 'cardan[{extra}]', then start again", { formats: m.use, extra: m.extra })}</p>)}
     </>
   );
 }

@@ -30,6 +30,7 @@ export function Variants({ known }: { known: AppState }) {
     return (
       <section class="card">
         <p class="note">{t("Pin a variant, change something, and both stand side by side here.")}</p>
+        <p class="note">{t("For example: pin the line as it is, raise a centre bearing by 5 mm in the drawing, and come back.")}</p>
         <KeepVariantButton known={known} />
       </section>
     );

@@ -1,5 +1,7 @@
 // Numbers as an engineer writes them, with the language's decimal sign.
 
+import { t } from "./i18n";
+
 let sign = ".";
 
 export function setNumberLanguage(lang: string): void { sign = lang === "en" ? "." : ","; }
@@ -28,6 +30,13 @@ export function formatPercent(margin: number | null | undefined): string {
   if (margin < -9.99) return "< −999";
   if (margin > 9.99) return "> 999";
   return formatSigned(100 * margin, margin !== 0 && Math.abs(margin) < 0.0095 ? 1 : 0);
+}
+
+/** A margin in per cent with its sign; beyond 100 % in words, where a number says no more. */
+export function marginText(margin: number | null | undefined): string {
+  if (margin === null || margin === undefined || Number.isNaN(margin)) return "";
+  if (margin < -1) return t("far beyond");
+  return margin > 1 ? t("ample") : `${formatPercent(margin)} %`;
 }
 
 /** A name with the marks written out that turn the writing of names round, and are not seen. */

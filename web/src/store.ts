@@ -7,7 +7,8 @@ import { SocketConnection, type ConnectionState, sessionToken } from "./socket";
 import { setTexts, t } from "./i18n";
 import type { Campaign, Drag, Edits, Full, Handle, Help, Limit, Live, Named, Pose, PoseRequest, Problem, EvaluationRequest, Revision, Row, Spot, ServerMessage, Welcome } from "./types";
 
-export interface SelectedCell { row: string; state: number; part: number }
+/** `inStrip` says whether it was chosen beside the verdict: its detail opens where it was chosen. */
+export interface SelectedCell { row: string; state: number; part: number; inStrip?: boolean }
 
 export type Notice =
   | { kind: "restored" | "elsewhere"; left: number }
@@ -73,7 +74,7 @@ export interface Job<Answer = unknown, Part = unknown> {
 
 const start: AppState = {
   connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
-  catalogue: { joints: [], tubes: [] }, profiles: [], files: [], file: null, history: null, live: null, campaign: null, handles: [],
+  catalogue: { joints: [], tubes: [] }, profiles: [], missing: [], bracket_example: "", files: [], file: null, history: null, live: null, campaign: null, handles: [],
   full: null, settled: false, unfinished: "", pose: null, asked: {}, problems: [], helps: null, helping: false, selected: null,
   order: [], notice: null, held: null, theme: "auto", view: "line", fixed: false, jobs: {}, parcel: null, variants: [], revisions: [], freezing: false,
   beside: 0, behind: null,
@@ -166,7 +167,7 @@ export class Store {
         setNumberLanguage(m.lang);
         this.who = m.who;
         document.documentElement.lang = m.lang === "pt" ? "pt-BR" : m.lang;
-        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, files: m.files.map(showHiddenMarks) });
+        this.set({ version: m.version, lang: m.lang, languages: m.languages, quantities: m.quantities, catalogue: m.catalogue, profiles: m.profiles, missing: m.missing ?? [], bracket_example: m.bracket_example ?? "", files: m.files.map(showHiddenMarks) });
         if (this.known.file !== null) this.rejoin(this.known.file);
         else if (m.files.length === 1) this.open(0);
         break;
@@ -338,7 +339,12 @@ export class Store {
   }
 
   /** What an editor has not told yet goes with it: it is asked for first. */
-  show(view: View): void { this.pending?.(); this.set({ view }); }
+  show(view: View): void {
+    this.pending?.();
+    // A detail beside the verdict would push what was asked for below the screen.
+    const selected = this.known.selected?.inStrip ? null : this.known.selected;
+    this.set({ view, selected });
+  }
 
   private opened(m: Extract<ServerMessage, { type: "opened" }>): void {
     const mine = this.known.history;
@@ -672,7 +678,9 @@ export class Store {
     if (history && held === null) this.put({ kind: "pose", question: { text: history.text, pose: asked }, commit: false, since: 0, shown: true });
   }
 
+  /** Choose a cell; null takes the detail away, and the keyboard goes back to what opened it. */
   look(selected: SelectedCell | null): void {
+    if (!selected) document.querySelector<HTMLElement>("[aria-controls=detail][aria-expanded=true]")?.focus();
     this.set({ selected });
     const row = selected && this.rows().find((r) => r.id === selected.row);
     // Where it is worst: in its state, and under the torque that winds the axle up there.

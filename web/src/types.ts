@@ -7,7 +7,7 @@ export type * from "../made/types";
 interface Answered { id: number; text?: string; problems?: Problem[]; fault?: string }
 
 /** What is known of the server before any file is opened. */
-export interface Welcome { version: string; lang: string; languages: string[]; quantities: Record<string, Explained>; catalogue: Catalogue; profiles: string[]; files: string[] }
+export interface Welcome { version: string; lang: string; languages: string[]; quantities: Record<string, Explained>; catalogue: Catalogue; profiles: string[]; files: string[]; missing: { use: string; extra: string }[]; bracket_example: string }
 
 export type Revision = Named & { said: string };
 

@@ -1,5 +1,5 @@
 import { afterEach, describe, expect, it } from "vitest";
-import { formatFixed, formatNumber, formatPercent, formatSigned, setNumberLanguage } from "../src/format";
+import { formatFixed, formatNumber, formatPercent, formatSigned, marginText, setNumberLanguage } from "../src/format";
 import { wrapDegrees } from "../src/YokePhaseDials";
 import { axisDecimals } from "../src/Plot";
 
@@ -36,4 +36,10 @@ describe("ticks", () => {
     expect(axisDecimals([0, 2.5, 5])).toBe(1);
     expect([[0, 5], [0, 0.5], [0, 0.25], [0, 0.001], [3]].map(axisDecimals)).toEqual([0, 1, 2, 3, 0]);
   });
+});
+
+describe("a margin in words", () => {
+  it.each([
+    [-3.54, "far beyond"], [-1, "−100 %"], [-0.744, "−74 %"], [0, "0 %"], [1, "+100 %"], [1.01, "ample"], [12, "ample"], [null, ""], [Number.NaN, ""],
+  ])("%s is %s", (margin, said) => expect(marginText(margin)).toBe(said));
 });

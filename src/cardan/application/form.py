@@ -3,12 +3,15 @@
 What was typed is read here and nowhere else; the file that comes of it is one like any other.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from cardan.application.paste_import import parse_hardpoints, parse_localised_number
+from cardan.application.wheelbase import text_with_wheelbase
 from cardan.application.yaml_edit import format_as_yaml_value
 from cardan.core.errors import FileIssue, InvalidFileError
+from cardan.core.units import UNITS
 
 FORM_FILE_NAME = "form"
 
@@ -19,6 +22,9 @@ FORM_LENGTH_UNITS = {"mm": "mm", "in": "in"}
 
 FormData = Mapping[str, Any]
 
+OWN_PART = "own"
+"""What a form calls a joint or a tube whose sizes are typed, not chosen."""
+
 
 def application_text_from_form(form: FormData, *, decimal: str = ".") -> str:
     """Return the text of an application from what a form holds, all of it as it was typed.
@@ -27,12 +33,16 @@ def application_text_from_form(form: FormData, *, decimal: str = ".") -> str:
     ----------
     form
         `title`, `speed` in rpm, `torque` in N m, `unit` of lengths (mm, in), `joint`, the size
-        of all joints by name, `limits`, the name of a profile; `members`, the `side` and `top`
+        of all joints by name, or "own" with its ratings `joint_peak`, `joint_reversing` and
+        `joint_bearing` in N m, its `joint_angle` in deg and its `joint_name`; `engine_torque` in
+        N m, `engine_speed` in rpm, `ratios` of the gears in a row and the `reverse` one; `limits`,
+        the name of a profile; `members`, the `side` and `top`
         slope in deg of gearbox, shafts and pinion, down to the rear and to the right positive;
-        `shafts`, each with `length`, `phase` in deg, `tube` by name, and how far ahead of its rear
-        joint its `bearing` sits. `points`, a pasted table of the joints' centres, goes before the
-        slopes of the shafts and their lengths; its x goes to the rear and its y to the right, or
-        ahead and to the left where `axes` is "front".
+        `shafts`, each with `length`, `phase` in deg, `tube` by name, or "own" with its `outer`
+        diameter and `wall`, and how far ahead of its rear joint its `bearing` sits, with its
+        `vertical` and `lateral` stiffness in N/mm. `points`, a pasted table of the joints' centres,
+        goes before the slopes of the shafts and their lengths; its x goes to the rear and its y to
+        the right, or ahead and to the left where `axes` is "front".
     decimal
         What the language of the form writes before decimals. The other sign before three
         digits may be one of thousands: nobody guesses, both readings are named.
@@ -48,6 +58,42 @@ def application_text_from_form(form: FormData, *, decimal: str = ".") -> str:
     if reader.problems:
         raise InvalidFileError(FORM_FILE_NAME, tuple(reader.problems))
     return text
+
+
+def texts_of_both_wheelbases(text: str, form: FormData, *, decimal: str = ".") -> tuple[str, ...]:
+    """Return a form's text for the wheelbase before a change and for that after; or it alone.
+
+    Parameters
+    ----------
+    text
+        The application that the form comes to: that of `wheelbase_from`.
+    form
+        `wheelbase_from` and `wheelbase_to` in the `unit` of lengths, as they were typed.
+
+    Raises
+    ------
+    InvalidFileError
+        If one of the two is given alone, or is no length above zero.
+    DesignError
+        If the last shaft would be too short.
+    """
+    keys = ("wheelbase_from", "wheelbase_to")
+    if not any(str(form.get(key) or "").strip() for key in keys):
+        return (text,)
+    reader = _Reader(form, decimal)
+    typed = [reader.number(form.get(key), key, needed=True) or "0" for key in keys]
+    for key, value in zip(keys, typed, strict=True):
+        if not reader.problems and float(value) <= 0:
+            reader.wrong(key, "must be above 0", value)
+    if reader.problems:
+        raise InvalidFileError(FORM_FILE_NAME, tuple(reader.problems))
+    before, after = (float(value) * UNITS[reader.unit] for value in typed)
+    moved = text_with_wheelbase(text, wheelbase=after, from_wheelbase=before, name=FORM_FILE_NAME)
+    now, then = (f"{value} {reader.unit}" for value in typed)
+    return (
+        f"# Wheelbase {now}, before the change to {then}\n{text}",
+        f"# Wheelbase {then}, changed from {now}: the last shaft takes up the difference\n{moved}",
+    )
 
 
 class _Reader:
@@ -66,7 +112,39 @@ class _Reader:
             value = self.number(self.form.get(key), key)
             if value is not None:
                 yield f"{name}: {value}"
+        yield from self.engine()
         yield ""
+
+    def engine(self) -> Iterator[str]:
+        """Yield engine and gearbox, if the form gives any of them."""
+        keys = ("engine_speed", "engine_torque", "ratios", "reverse")
+        if not any(str(self.form.get(key) or "").strip() for key in keys):
+            return
+        speed, torque = (self.number(self.form.get(key), key, needed=True) for key in keys[:2])
+        typed = str(self.form.get("ratios") or "").strip()
+        # A comma before a blank separates, whatever it means within a number.
+        parts = re.split(r"[;/\s,]+" if self.decimal == "." else r",?[;/\s]+", typed.strip(";,/ "))
+        ratios = [self.number(part, "ratios", needed=True) or "0" for part in parts]
+        reverse = self.number(self.form.get("reverse"), "reverse")
+        yield f"engine: {{speed_rpm: {speed}, torque_Nm: {torque}}}"
+        backward = "" if reverse is None else f", reverse_ratio: {reverse}"
+        yield f"gearbox: {{ratios: [{', '.join(ratios)}]{backward}}}"
+
+    def own_joint(self) -> str:
+        """Return a joint by its ratings, as a file has it."""
+        name = str(self.form.get("joint_name") or "").strip() or OWN_PART
+        ratings = (
+            ("peak_Nm", "joint_peak"),
+            ("reversing_Nm", "joint_reversing"),
+            ("bearing_Td_Nm", "joint_bearing"),
+            ("angle_max_deg", "joint_angle"),
+        )
+        said = [f"name: {format_as_yaml_value(name, '')}"]
+        for key, field in ratings:
+            value = self.number(self.form.get(field), field, needed=key == "peak_Nm")
+            if value is not None:
+                said.append(f"{key}: {value}")
+        return f"{{{', '.join(said)}}}"
 
     def foot(self) -> Iterator[str]:
         if limits := str(self.form.get("limits") or ""):
@@ -76,7 +154,8 @@ class _Reader:
     def line(self, shafts: list[FormData], members: list[FormData]) -> Iterator[str]:
         yield "driveline:"
         if joint := str(self.form.get("joint") or "").strip():
-            yield f"  joints: {format_as_yaml_value(joint, '')}"
+            own = joint == OWN_PART
+            yield f"  joints: {self.own_joint() if own else format_as_yaml_value(joint, '')}"
         pasted = str(self.form.get("points") or "").strip()
         count = len(shafts)
         if pasted:
@@ -129,12 +208,22 @@ class _Reader:
         if not placed:
             length = self.number(shaft.get("length"), f"{at}.length", needed=True)
             yield f"length_{self.unit}: {length}"
-        if tube := str(shaft.get("tube") or ""):
+        tube = str(shaft.get("tube") or "")
+        if tube == OWN_PART:
+            outer = self.number(shaft.get("outer"), f"{at}.outer", needed=True)
+            wall = self.number(shaft.get("wall"), f"{at}.wall", needed=True)
+            yield f"tube: {{outer_{self.unit}: {outer}, wall_{self.unit}: {wall}}}"
+        elif tube:
             yield f"tube: {format_as_yaml_value(tube, '')}"
         yield f"phase_deg: {self.number(shaft.get('phase'), f'{at}.phase') or '0'}"
         if k < count:
             ahead = self.number(shaft.get("bearing"), f"{at}.bearing", needed=True)
-            yield f"centre_bearing: {{from_rear_joint_{self.unit}: {ahead}}}"
+            stiff = [
+                f", {way}_stiffness_N_mm: {value}"
+                for way in ("vertical", "lateral")
+                if (value := self.number(shaft.get(way), f"{at}.{way}")) is not None
+            ]
+            yield f"centre_bearing: {{from_rear_joint_{self.unit}: {ahead}{''.join(stiff)}}}"
 
     def number(self, said: Any, key: str, *, needed: bool = False) -> str | None:
         """Return a number as a file has it; None where a field is empty."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cardan.application.form import application_text_from_form
+from cardan.application.form import application_text_from_form, texts_of_both_wheelbases
 from cardan.application.layout_writer import layout_changes
 from cardan.application.paste_import import parse_hardpoints
 from cardan.approval.approval import approve_driveline
@@ -33,9 +33,11 @@ def preview_new_application_form(
     text = application_text_from_form(args, decimal=say.decimal_sign)
     read = parse_document(text, "form", None)
     found = approve_driveline(read.application)
+    drafts = texts_of_both_wheelbases(text, args, decimal=say.decimal_sign)
     r = read.responses[0]
     return {
-        "draft": text,
+        "draft": drafts[0],
+        **({} if len(drafts) == 1 else {"after": _changed_wheelbase(drafts[1], say)}),
         "verdict": found.verdict,
         "headline": partial_approval_texts(found, say).get(found.verdict, ""),
         "angles": round_decimals_list(r.joint_angles[0] / deg, 3),
@@ -44,6 +46,19 @@ def preview_new_application_form(
         "warnings": [say.localise_numbers(say.error(p.message)) for p in read.application.warnings],
         "checks": [
             check_to_json(c, found, say) for c in sorted(found.checks, key=worst_first_key)[:8]
+        ],
+    }
+
+
+def _changed_wheelbase(text: str, say: Translator) -> Json:
+    """Return the text of an application after its wheelbase changed, and its verdict."""
+    found = approve_driveline(parse_document(text, "form", None).application)
+    return {
+        "draft": text,
+        "verdict": found.verdict,
+        "headline": partial_approval_texts(found, say).get(found.verdict, ""),
+        "checks": [
+            check_to_json(c, found, say) for c in sorted(found.checks, key=worst_first_key)[:3]
         ],
     }
 

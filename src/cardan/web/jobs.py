@@ -160,10 +160,19 @@ PASTED_POINTS_ARGUMENTS: dict[str, ArgumentReader] = {
 }
 FORM_ARGUMENTS: dict[str, ArgumentReader] = {
     "title": _text_up_to(300),  # as a file's
-    **{key: _text_up_to() for key in ("speed", "torque", "joint", "limits")},
+    **{
+        key: _text_up_to()
+        for key in (
+            *("speed", "torque", "engine_speed", "engine_torque", "ratios", "reverse", "limits"),
+            *("joint", "joint_name", "joint_peak", "joint_reversing", "joint_bearing"),
+            *("joint_angle", "wheelbase_from", "wheelbase_to"),
+        )
+    },
     **PASTED_POINTS_ARGUMENTS,
     "members": _rows_of_texts(("side", "top"), 8),
-    "shafts": _rows_of_texts(("length", "phase", "tube", "bearing"), 6),
+    "shafts": _rows_of_texts(
+        ("length", "phase", "tube", "outer", "wall", "bearing", "vertical", "lateral"), 6
+    ),
 }
 
 JOB_ARGUMENTS: dict[str, dict[str, ArgumentReader]] = {

@@ -10,7 +10,8 @@ from cardan.application.limit_profiles import limits_to_evaluate
 from cardan.approval.driveline_study import EvaluatedLimit, check_limit_at_part, evaluate_limits
 from cardan.checks.line_response import LineResponse
 from cardan.checks.quantities.registry import QUANTITIES
-from cardan.core.verdict import Limit
+from cardan.core.arrays import BoolArray
+from cardan.core.verdict import MARGIN_TOLERANCE, Limit
 from cardan.documents.line_drawing import worst_state_index
 from cardan.render.i18n import Translator
 from cardan.render.phrases import check_state_phrase, citation
@@ -42,6 +43,7 @@ def limit_rows(
             "parts": [say.part(p) if p.kind != "line" else "" for p in a.parts],
             "kinds": [[p.kind, p.number, str(p.other)] for p in a.parts],
             **graded,
+            **({"bounds": bounds.tolist()} if (bounds := _are_lower_bounds(a)).any() else {}),
             **(
                 {"points": _worst_point_texts(r, a, say), "spots": _worst_point_torques(r, a)}
                 if a.worst_points
@@ -108,6 +110,11 @@ def limit_message(limit: Limit, r: LineResponse, k: int, say: Translator) -> Jso
         "required": limit.required,
         "source": citation(limit.source, say),
     }
+
+
+def _are_lower_bounds(a: EvaluatedLimit) -> BoolArray:
+    """Return which values are known as lower bounds alone, (states, parts)."""
+    return a.validity_margin < -MARGIN_TOLERANCE
 
 
 def _worst_point_texts(r: LineResponse, a: EvaluatedLimit, say: Translator) -> list[list[str]]:

@@ -8,9 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cardan.application import reader
-from cardan.application.form import application_text_from_form
+from cardan.application.form import application_text_from_form, texts_of_both_wheelbases
 from cardan.application.paste_import import parse_hardpoints, parse_number_of_unknown_locale
-from cardan.core.errors import InvalidFileError
+from cardan.core.errors import DesignError, InvalidFileError
+from cardan.core.units import deg
 
 FORM = {
     "title": "Tipper", "speed": "2 500", "torque": "8000", "unit": "mm", "limits": "protractor",
@@ -18,6 +19,84 @@ FORM = {
     "shafts": [{"length": "1200", "bearing": "140", "tube": "100x3"},
                {"length": "1500", "phase": "90"}],
 }  # fmt: skip
+
+
+OWN_PARTS = {
+    **FORM, "joint": "own", "joint_name": "K-2: 80", "joint_peak": "12000",
+    "joint_reversing": "4000", "joint_angle": "25",
+    "shafts": [{"length": "1200", "bearing": "140", "tube": "own", "outer": "100", "wall": "3.5",
+                "vertical": "200", "lateral": "120"},
+               {"length": "1500", "phase": "90", "tube": "100x3", "outer": "90"}],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("unit", ["mm", "in"])
+def test_own_joint_tube_and_bearing_stiffness_are_written(unit):
+    """A form offered shipped sizes alone: a tube from a drawing took an editor."""
+    app = reader.loads(application_text_from_form({**OWN_PARTS, "unit": unit}))
+    line, size = app.lines[0].line, {"mm": 1e-3, "in": 0.0254}[unit]
+    joint, first, second = line.joints[0], line.shafts[0].tube, line.shafts[1].tube
+    assert (joint.name, joint.peak_torque, joint.reversing_torque) == ("K-2: 80", 12000, 4000)
+    assert joint.angle_max == pytest.approx(25 * deg)
+    assert joint.bearing_torque is None
+    assert (first.outer, first.wall) == pytest.approx((100 * size, 3.5 * size))
+    assert (second.outer, second.wall) == pytest.approx((0.1, 0.003))  # of the catalogue
+    assert line.shafts[0].centre_bearing.stiffness == pytest.approx((200e3, 120e3))
+
+
+@pytest.mark.parametrize(
+    ("decimal", "ratios"),
+    [(".", "6.7 3.8 2.3 1"), (".", "6.7, 3.8,2.3/1"), (",", "6,7 3,8 2,3 1"),
+     (",", "6,7; 3,8;2,3; 1"), (",", "6,7, 3,8, 2,3, 1")],
+)  # fmt: skip
+def test_engine_and_ratios_are_written(decimal, ratios):
+    gears = {"engine_torque": "900", "engine_speed": "1400", "ratios": ratios, "reverse": "6"}
+    form = {**FORM, "members": [{"side": k} for k in "3142"], **gears, "torque": ""}
+    app = reader.loads(application_text_from_form(form, decimal=decimal))
+    assert tuple(app.gearbox.ratios) == (6.7, 3.8, 2.3, 1)
+    assert app.gearbox.reverse_ratio == 6
+    assert float(np.max(app.engine.torque)) == 900
+
+
+def test_incomplete_own_parts_and_gears_name_their_fields():
+    bare = {**FORM, "joint": "own", "ratios": "6.7", "members": [{"side": k} for k in "3142"],
+            "shafts": [{"length": "1200", "bearing": "140", "tube": "own", "wall": "x"},
+                       {"length": "1500"}]}  # fmt: skip
+    with pytest.raises(InvalidFileError) as found:
+        application_text_from_form(bare)
+    assert {p.key for p in found.value.problems} == {
+        "joint_peak", "engine_speed", "engine_torque", "shafts[1].outer", "shafts[1].wall",
+    }  # fmt: skip
+
+
+def test_wheelbase_change_moves_last_joint_by_difference():
+    text = application_text_from_form(FORM)
+    assert texts_of_both_wheelbases(text, FORM) == (text,)
+    form = {**FORM, "wheelbase_from": "3 600", "wheelbase_to": "4500"}
+    before, after = texts_of_both_wheelbases(text, form)
+    assert before.splitlines()[1:] == text.splitlines()
+    assert "# Wheelbase 4500 mm, changed from 3600 mm" in after
+    was, now = (reader.loads(t).lines[0].layout.points for t in (before, after))
+    assert now[-1] - was[-1] == pytest.approx([0.9, 0, 0], abs=1e-4)  # slopes to 0.001 deg
+    assert now[:-1] == pytest.approx(was[:-1], abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("from_", "to", "keys"),
+    [("3600", "", {"wheelbase_to"}), ("", "x", {"wheelbase_from", "wheelbase_to"}),
+     ("3600", "-1", {"wheelbase_to"}), ("0", "3600", {"wheelbase_from"})],
+)  # fmt: skip
+def test_unusable_wheelbase_names_its_field(from_, to, keys):
+    form = {**FORM, "wheelbase_from": from_, "wheelbase_to": to}
+    with pytest.raises(InvalidFileError) as found:
+        texts_of_both_wheelbases(application_text_from_form(form), form)
+    assert {p.key for p in found.value.problems} == keys
+
+
+def test_wheelbase_too_short_for_last_shaft_is_rejected():
+    form = {**FORM, "wheelbase_from": "3600", "wheelbase_to": "2300"}
+    with pytest.raises(DesignError, match="such a wheelbase needs a line with one shaft less"):
+        texts_of_both_wheelbases(application_text_from_form(form), form)
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ from workbench import PATIENCE, page, running
 import cardan
 from cardan.application import reader
 from cardan.approval.approval import approve_application, approve_driveline
+from cardan.checks.quantities.registry import LINE_QUANTITIES
 from cardan.cli import cli
 from cardan.core.verdict import VERDICTS, worst_verdict
 from cardan.render.i18n import ENGLISH, Translator
@@ -31,6 +32,7 @@ from cardan.topics.design.phrases import (
 )
 from cardan.web.correction_handlers import IMMEDIATE_QUANTITIES
 from cardan.web.handlers import handle_request
+from cardan.web.limit_messages import limit_rows
 
 TRUCK = (ROOT / "examples" / "refuse-collector-6x2.yaml").read_text("utf-8")
 CHAIN = (ROOT / "examples" / "three-joint-chain.yaml").read_text("utf-8")
@@ -238,6 +240,31 @@ def test_guided_form_result_matches_check_of_its_file():
     assert told["verdict"] == found.verdict
     assert told["angles"] == pytest.approx([2, 1])
     assert len(told["checks"]) == min(8, len(found.checks))
+
+
+def test_guided_form_with_two_wheelbases_gives_both_files():
+    form = {**FORM, "wheelbase_from": "3600", "wheelbase_to": "4500"}
+    told = job("guided", text="", **form)
+    found = approve_driveline(reader.loads(told["after"]["draft"]))
+    assert told["after"]["verdict"] == found.verdict
+    assert "# Wheelbase 3600" in told["draft"]
+    question = {"job": "guided", "text": "", "name": "x", "folder": None, "lang": "pt"}
+    short = handle_request({**question, "args": {**form, "wheelbase_to": "2000"}})
+    assert "entre-eixos" in short["problems"][0]["message"]
+
+
+def test_lower_bounds_are_marked_in_messages_of_limits():
+    """Rubber on its stop: the true force of the bearing is larger than that shown."""
+    app = reader.loads(TRUCK)
+    response = approve_driveline(app).line_responses[0]
+    rows = {r["quantity"]: r for r in limit_rows(response, Translator("en"), LINE_QUANTITIES)}
+    marked = {(k, s, p) for k, r in rows.items() for s, of in enumerate(r.get("bounds", []))
+              for p, least in enumerate(of) if least}  # fmt: skip
+    wanted = {(c.quantity, [s.name for s in app.states].index(c.state))
+              for c in approve_driveline(app).checks if c.is_lower_bound}  # fmt: skip
+    assert {m[:2] for m in marked} == wanted
+    assert "torsional_acceleration" in rows
+    assert "bounds" not in rows["torsional_acceleration"]
 
 
 def test_pasted_points_edit_every_driveline_format():
