@@ -324,6 +324,16 @@ def joint_ratings(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, ratio(rating, joint.peak_torque), (f"{line.at}.joints",))
 
 
+def joint_bearing_rating(of: RelationContext) -> ComparedValues:
+    """Torque rating of a cross's needle bearings over the joint's peak torque."""
+    for line in of.lines:
+        for k, joint in enumerate(line.installed.line.joints, 1):
+            if joint and joint.kind in ("cross", "double cardan"):
+                keys = f"{line.at}.joints.bearing_Td", f"{line.at}.joints[{k}].bearing_Td"
+                rating = ratio(joint.bearing_torque, joint.peak_torque)
+                yield ComparedValue(keys, rating, (f"{line.at}.joints",))
+
+
 def joint_reserve(of: RelationContext) -> ComparedValues:
     """Peak torque of a joint over the line's largest torque with the shock factor."""
     for line in of.lines:

@@ -90,6 +90,8 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     # --- joints
     R("joint_ratings", "the rating over the joint's peak torque", line.joint_ratings, (0.05, 1),
       hint="are they swapped?"),
+    R("joint_bearing_rating", "the needle bearings' rating over the joint's peak torque",
+      line.joint_bearing_rating, (0.08, 0.6), hint="is it that of this joint, in N·m?"),
     R("joint_reserve", "the joint's peak torque over the line's largest", line.joint_reserve,
       (0.3, 6), hint="is the joint, or the torque, that of another vehicle?"),
     R("double_cardan_distance", "the distance of the joint's crosses over the tube's diameter",

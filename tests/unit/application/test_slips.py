@@ -302,6 +302,8 @@ OTHERS = [
     (MEDIUM, Slip({"driveline.joints": "2040"}, "published_joint")),
     ("vecto-4x2", Slip({"driveline.joints": "2045"}, "published_joint")),
     (TRUCK, Slip({"driveline.joints": [2045, 1760, 2045]}, "joint_series")),
+    ("pick-up-4x4", Slip({"drivelines.front.joints.0.bearing_Td_Nm": 3100},
+                         "joint_bearing_rating")),
     # --- every slope with the other sign
     (SMALL, Slip({"driveline.slopes.side_deg": [-3.0, -1.0, -4.5, -2.0]}, "gearbox_slope")),
     # --- a height of the centre of gravity that puts the payload below the floor
