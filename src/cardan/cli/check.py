@@ -56,6 +56,8 @@ def _ending_of(*endings: str) -> Callable[..., Path | None]:
 @click.option("--xlsx", metavar="OUT", type=OUTPUT_PATH, help="A workbook with live formulas.")
 @click.option("--junit", metavar="OUT", type=OUTPUT_PATH,
               help="A test report in JUnit's format, for continuous integration.")  # fmt: skip
+@click.option("--sarif", metavar="OUT", type=OUTPUT_PATH,
+              help="Criteria not met, as SARIF: code hosts show them at their lines.")  # fmt: skip
 @click.option("--live", metavar="OUT", type=OUTPUT_PATH, help="The workbench's page, by itself.")
 @click.option(
     "--bearing-forces",
@@ -117,6 +119,7 @@ def check(
     reports: ReportPaths,
     xlsx: Path | None,
     junit: Path | None,
+    sarif: Path | None,
     live: Path | None,
     bearing_forces: Path | None,
     parameters: Path | None,
@@ -157,7 +160,7 @@ def check(
         named = read_campaign(recording, allow_outside=allow_outside).referenced_files
     outputs = validate_output_paths(
         *files, limits, recording, *named,
-        json_out=json_out, **reports, xlsx=xlsx, junit=junit, live=live,
+        json_out=json_out, **reports, xlsx=xlsx, junit=junit, sarif=sarif, live=live,
         **{"bearing-forces": bearing_forces, "parameters": parameters},
     )  # fmt: skip
     if xlsx and len(files) > 1:
@@ -206,11 +209,15 @@ def check(
         from cardan.documents import workbook
 
         write_and_announce(xlsx, workbook.workbook_bytes(found[0], say=say), say)
+    by_name = [(str(file), one) for file, one in zip(files, found, strict=True)]
     if junit:
         from cardan.documents.approval_junit import junit_xml
 
-        named_found = ((str(f), one) for f, one in zip(files, found, strict=True))
-        write_and_announce(junit, junit_xml(named_found), say)
+        write_and_announce(junit, junit_xml(by_name), say)
+    if sarif:
+        from cardan.documents.approval_sarif import sarif_text
+
+        write_and_announce(sarif, sarif_text(by_name, say), say)
     if bearing_forces:
         from cardan.documents.bearing_force_table import bearing_force_csv
 

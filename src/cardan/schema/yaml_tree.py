@@ -291,8 +291,7 @@ class _TreeBuilder:
     def _start(self, node: Sequence | Mapping, event: Any) -> None:
         self._untagged(event)
         if len(self.open) == MAX_NESTING_DEPTH:
-            message = f"lists and tables may be nested {MAX_NESTING_DEPTH} deep"
-            raise _ParseError(event.start_mark, message)
+            raise _ParseError(event.start_mark, _TOO_DEEP)
         self._place(node, event)
         self.open.append(_OpenNode(node, event.anchor, bool(event.flow_style)))
 
@@ -438,7 +437,11 @@ def _control_character(text: str, place: int) -> FileIssue:
     )
 
 
+_TOO_DEEP = f"lists and tables may be nested {MAX_NESTING_DEPTH} deep"
+
 _EXPLAINED = (
+    # libyaml of PyYAML 6.0.4 has a limit of its own, which a list meets before its first event.
+    ("maximum nesting depth", _TOO_DEEP, ""),
     ("tab character", "a tab indents this line", "YAML indents with spaces"),
     ("mapping values are not allowed",
      "a second colon makes no sense here",

@@ -258,7 +258,7 @@ def test_a_file_that_is_not_there_has_neighbours(tmp_path):
         read_text(tmp_path / "nowhere" / "truck.yaml")
     with pytest.raises(InvalidFileError, match="this is no file"):
         read_text(tmp_path)
-    with pytest.raises(InvalidFileError, match="cannot be read: embedded null byte"):
+    with pytest.raises(InvalidFileError, match=r"cannot be read: .*embedded null (byte|character)"):
         read_text(tmp_path / "a\0b.yaml")
 
 
