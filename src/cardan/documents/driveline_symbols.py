@@ -36,8 +36,9 @@ def _placed(at: FloatArray, along: FloatArray, points: list[tuple[float, float]]
     return np.array([at + a * along + b * across for a, b in points])
 
 
-def _outline(points: FloatArray, **attributes: svg.AttributeValue) -> str:
-    return svg.path(points[:, 0], points[:, 1], **attributes)
+def _outline(points: FloatArray, *, fill: str, stroke: str, stroke_width: float) -> str:
+    x, y = points.T
+    return svg.path(x, y, close=True, fill=fill, stroke=stroke, stroke_width=stroke_width)
 
 
 def tube(start: FloatArray, end: FloatArray, thickness: float, *, is_shaft: bool) -> str:
@@ -48,7 +49,7 @@ def tube(start: FloatArray, end: FloatArray, thickness: float, *, is_shaft: bool
     half = thickness / 2
     corners = [(0.0, -half), (length, -half), (length, half), (0.0, half)]
     return _outline(
-        _placed(start, (end - start) / length, corners), close=True,
+        _placed(start, (end - start) / length, corners),
         fill=STEEL_COLOUR if is_shaft else END_COLOUR, stroke=SECONDARY_COLOUR, stroke_width=0.8,
     )  # fmt: skip
 
@@ -65,7 +66,7 @@ def yoke(
         half = 0.55 * half_height * faced
         face = [(-5.0, -half), (length * 0.7, -half), (length, -half * 0.6),
                 (length, half * 0.6), (length * 0.7, half), (-5.0, half)]  # fmt: skip
-        yield _outline(_placed(joint, along, face), close=True, fill=DARK_STEEL_COLOUR,
+        yield _outline(_placed(joint, along, face), fill=DARK_STEEL_COLOUR,
                        stroke=TEXT_COLOUR, stroke_width=1)  # fmt: skip
     if seen > LEAST_SHARE:
         h = half_height * seen
@@ -73,7 +74,7 @@ def yoke(
         fork = [(-4.0, h), (length * 0.6, h), (length, h * 0.5), (length, -h * 0.5),
                 (length * 0.6, -h), (-4.0, -h), (-4.0, -inner), (length * 0.5, -inner),
                 (length * 0.72, 0.0), (length * 0.5, inner), (-4.0, inner)]  # fmt: skip
-        yield _outline(_placed(joint, along, fork), close=True, fill=DARK_STEEL_COLOUR,
+        yield _outline(_placed(joint, along, fork), fill=DARK_STEEL_COLOUR,
                        stroke=TEXT_COLOUR, stroke_width=1)  # fmt: skip
         (x1, x2), (y1, y2) = _placed(joint, along, [(0.0, h + 3), (0.0, -h - 3)]).T
         yield svg.line(x1, y1, x2, y2, stroke=SERIES_COLOURS[1], stroke_width=1.2)
@@ -83,25 +84,26 @@ def joint_centre(
     joint: FloatArray, along: FloatArray, kind: JointKind, *, half_height: float
 ) -> Iterator[str]:
     """Yield the middle of a joint: a cross, the ball of a constant-velocity joint, a disc."""
+    x, y = joint
     if kind == "flexible disc":
         h = half_height
         across = _placed(joint, along, [(-3.0, -h), (3.0, -h), (3.0, h), (-3.0, h)])
-        yield _outline(across, close=True, fill=SECONDARY_COLOUR, stroke=TEXT_COLOUR)
+        yield _outline(across, fill=SECONDARY_COLOUR, stroke=TEXT_COLOUR, stroke_width=1)
     elif kind != "cross":
         yield svg.circle(
-            *joint, 0.75 * half_height, fill=DARK_STEEL_COLOUR, stroke=TEXT_COLOUR, stroke_width=1.2
+            x, y, 0.75 * half_height, fill=DARK_STEEL_COLOUR, stroke=TEXT_COLOUR, stroke_width=1.2
         )
         if kind == "double cardan":
-            for x, y in _placed(joint, along, [(-5.0, 0.0), (5.0, 0.0)]):
-                yield svg.circle(x, y, 2.5, fill="#ffffff", stroke=TEXT_COLOUR)
-    yield svg.circle(*joint, CROSS_RADIUS_PX, fill="#ffffff", stroke=TEXT_COLOUR, stroke_width=1.4)
+            for a, b in _placed(joint, along, [(-5.0, 0.0), (5.0, 0.0)]):
+                yield svg.circle(a, b, 2.5, fill="#ffffff", stroke=TEXT_COLOUR)
+    yield svg.circle(x, y, CROSS_RADIUS_PX, fill="#ffffff", stroke=TEXT_COLOUR, stroke_width=1.4)
 
 
 def flange(joint: FloatArray, along: FloatArray, *, length: float, half_height: float) -> str:
     """Return the companion flange that the yoke of a gearbox or an axle is bolted to."""
     h = half_height
     corners = [(length, -h), (length + 5, -h), (length + 5, h), (length, h)]
-    return _outline(_placed(joint, along, corners), close=True, fill=SECONDARY_COLOUR,
+    return _outline(_placed(joint, along, corners), fill=SECONDARY_COLOUR,
                     stroke=TEXT_COLOUR, stroke_width=1)  # fmt: skip
 
 

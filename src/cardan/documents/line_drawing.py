@@ -7,6 +7,7 @@ above (rear to the right, the vehicle's right up), end views looking forward fro
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -44,7 +45,7 @@ VERTICAL_EXAGGERATIONS = (10, 5, 2, 1)
 DEFAULT_THICKNESS_M = 0.05
 """How thick a member is drawn whose tube is not known."""
 LABEL_DROP_PX = 34.0
-HALO = {"stroke": "#ffffff", "stroke_width": 3.0, "paint_order": "stroke"}
+HALO: dict[str, Any] = {"stroke": "#ffffff", "stroke_width": 3.0, "paint_order": "stroke"}
 """What lets a label be read over lines."""
 LEAST_OFFSET_M = 5e-4
 """How far a line must be from straight in a view to be worth drawing in it."""
