@@ -41,7 +41,7 @@ PRINTED_SIZE_TOLERANCE = 0.01
 # --- shafts
 
 
-def slenderness(of: RelationContext) -> ComparedValues:
+def compare_slenderness(of: RelationContext) -> ComparedValues:
     """Length of a shaft over its tube's diameter."""
     for line in of.lines:
         for at, shaft, length in line.shafts:
@@ -50,7 +50,7 @@ def slenderness(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, length / shaft.tube.outer, (f"{at}.tube",))
 
 
-def tube_thinness(of: RelationContext) -> ComparedValues:
+def compare_tube_thinness(of: RelationContext) -> ComparedValues:
     """Diameter of a tube over its wall."""
     for at, shaft, _ in of.shafts:
         tube = shaft.tube
@@ -59,7 +59,7 @@ def tube_thinness(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, tube.outer / tube.wall, (f"{at}.tube.outer",))
 
 
-def bearing_place(of: RelationContext) -> ComparedValues:
+def compare_bearing_place(of: RelationContext) -> ComparedValues:
     """Distance of a centre bearing from the rear joint over the shaft's length."""
     for line in of.lines:
         for at, shaft, length in line.shafts:
@@ -69,7 +69,7 @@ def bearing_place(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, bearing.from_rear_joint / length, against)
 
 
-def shafts_alike(of: RelationContext) -> ComparedValues:
+def compare_shafts_alike(of: RelationContext) -> ComparedValues:
     """Longest over shortest shaft of a line, at the shorter one that is odd."""
     for line in of.lines:
         shafts = [(length, at) for at, _, length in line.shafts]
@@ -79,7 +79,7 @@ def shafts_alike(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, longest / shortest, (f"{other}.length",))
 
 
-def spline_size(of: RelationContext) -> ComparedValues:
+def compare_spline_size(of: RelationContext) -> ComparedValues:
     """Mean diameter of a spline over the tube's."""
     for at, shaft, _ in of.shafts:
         if shaft.spline and shaft.tube and shaft.spline.mean_radius:
@@ -88,7 +88,7 @@ def spline_size(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, (f"{at}.tube",))
 
 
-def spline_place(of: RelationContext) -> ComparedValues:
+def compare_spline_place(of: RelationContext) -> ComparedValues:
     """Place of a spline from its front joint over the shaft's length."""
     for line in of.lines:
         for at, shaft, length in line.shafts:
@@ -98,7 +98,7 @@ def spline_place(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, value, (f"{at}.length", f"{line.at}.points"))
 
 
-def spline_travel(of: RelationContext) -> ComparedValues:
+def compare_spline_travel(of: RelationContext) -> ComparedValues:
     """Travel of a spline in one direction over the shaft's length."""
     for line in of.lines:
         for at, shaft, length in line.shafts:
@@ -108,7 +108,7 @@ def spline_travel(of: RelationContext) -> ComparedValues:
                 yield ComparedValue((f"{at}.spline.{name}",), ratio(travel, length), against)
 
 
-def spline_balance(of: RelationContext) -> ComparedValues:
+def compare_spline_balance(of: RelationContext) -> ComparedValues:
     """Travel of a spline in shortening over that in lengthening."""
     for at, shaft, _ in of.shafts:
         if shaft.spline:
@@ -118,7 +118,7 @@ def spline_balance(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, (other,))
 
 
-def spline_stroke(of: RelationContext) -> ComparedValues:
+def compare_spline_stroke(of: RelationContext) -> ComparedValues:
     """Way between a spline's stops, mm, where its states do not need so much.
 
     A long-travel suspension takes up a large part of a long spline; nan there.
@@ -143,7 +143,7 @@ def _length_changes(line: LineContext) -> FloatArray | None:
     return lengths.max(axis=-2) - lengths.min(axis=-2) if lengths.ndim == 2 else None
 
 
-def spline_mass(of: RelationContext) -> ComparedValues:
+def compare_spline_mass(of: RelationContext) -> ComparedValues:
     """Mass of a spline over that of its tube."""
     for at, shaft, length in of.shafts:
         if shaft.spline and shaft.spline.mass and shaft.tube:
@@ -151,7 +151,7 @@ def spline_mass(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.spline.mass",), value, (f"{at}.tube",))
 
 
-def yoke_mass(of: RelationContext) -> ComparedValues:
+def compare_yoke_mass(of: RelationContext) -> ComparedValues:
     """Mass of a shaft's heavier yoke over that of its tube."""
     for at, shaft, length in of.shafts:
         if shaft.tube:
@@ -160,14 +160,14 @@ def yoke_mass(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.yoke_mass",), value, (f"{at}.tube",))
 
 
-def yokes_alike(of: RelationContext) -> ComparedValues:
+def compare_yokes_alike(of: RelationContext) -> ComparedValues:
     """Mass of a shaft's heavier yoke over that of its lighter one."""
     for at, shaft, _ in of.shafts:
         value = ratio(max(shaft.yoke_mass) or None, min(shaft.yoke_mass))
         yield ComparedValue((f"{at}.yoke_mass",), value)
 
 
-def tubes_alike(of: RelationContext) -> ComparedValues:
+def compare_tubes_alike(of: RelationContext) -> ComparedValues:
     """Diameter of a shaft's tube over that of shaft 1 of its line."""
     for line in of.lines:
         tubes = [(at, shaft.tube) for at, shaft, _ in line.shafts if shaft.tube]
@@ -176,7 +176,7 @@ def tubes_alike(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, tube.outer / tubes[0][1].outer, (f"{tubes[0][0]}.tube",))
 
 
-def yoke_size(of: RelationContext) -> ComparedValues:
+def compare_yoke_size(of: RelationContext) -> ComparedValues:
     """Mass of a shaft's heavier yoke over the peak torque of its joint, kg per kN m."""
     for line in of.lines:
         joints = line.installed.line.joints
@@ -187,7 +187,7 @@ def yoke_size(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.yoke_mass",), value, (f"{line.at}.joints",))
 
 
-def given_inertia(of: RelationContext) -> ComparedValues:
+def compare_given_inertia(of: RelationContext) -> ComparedValues:
     """Given polar inertia of a shaft over that of its tube."""
     for at, shaft, length in of.shafts:
         if shaft.tube:
@@ -196,7 +196,7 @@ def given_inertia(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.polar_inertia",), value, (f"{at}.tube",))
 
 
-def strengths(of: RelationContext) -> ComparedValues:
+def compare_strengths(of: RelationContext) -> ComparedValues:
     """Yield over ultimate strength of a tube's material."""
     for at, shaft, _ in of.shafts:
         if shaft.tube:
@@ -206,7 +206,7 @@ def strengths(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, (f"{at}.tube.material.yield",))
 
 
-def yield_strain(of: RelationContext) -> ComparedValues:
+def compare_yield_strain(of: RelationContext) -> ComparedValues:
     """Yield strength over Young's modulus of a tube's material, per mille."""
     for at, shaft, _ in of.shafts:
         if isinstance(shaft.tube, Tube):
@@ -216,7 +216,7 @@ def yield_strain(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, (f"{at}.tube.material.youngs_modulus",))
 
 
-def steel_yield(of: RelationContext) -> ComparedValues:
+def compare_steel_yield(of: RelationContext) -> ComparedValues:
     """Yield strength of a tube's steel, MPa."""
     low, high = STEEL_MODULUS_RANGE
     for at, shaft, _ in of.shafts:
@@ -226,7 +226,7 @@ def steel_yield(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, ratio(strength, MPa))
 
 
-def sound_speed(of: RelationContext) -> ComparedValues:
+def compare_sound_speed(of: RelationContext) -> ComparedValues:
     """Speed of sound along a bar of a tube's material, sqrt(E/rho), m/s."""
     for at, shaft, _ in of.shafts:
         if isinstance(shaft.tube, Tube):
@@ -240,7 +240,7 @@ def sound_speed(of: RelationContext) -> ComparedValues:
 # --- bearings
 
 
-def rubber_loss(of: RelationContext) -> ComparedValues:
+def compare_rubber_loss(of: RelationContext) -> ComparedValues:
     """Loss factor of the rubber of a centre bearing, and of all rubber of a line."""
     for line in of.lines:
         for at, shaft, _ in line.shafts:
@@ -251,7 +251,7 @@ def rubber_loss(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("torsion.rubber_loss",), ratio(torsion.rubber_loss, 1.0))
 
 
-def rubber_directions(of: RelationContext) -> ComparedValues:
+def compare_rubber_directions(of: RelationContext) -> ComparedValues:
     """Vertical over lateral stiffness of a centre bearing."""
     for at, shaft, _ in of.shafts:
         if (bearing := shaft.centre_bearing) and bearing.stiffness:
@@ -260,7 +260,7 @@ def rubber_directions(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, ratio(*bearing.stiffness), against)
 
 
-def flange_directions(of: RelationContext) -> ComparedValues:
+def compare_flange_directions(of: RelationContext) -> ComparedValues:
     """Vertical over lateral stiffness of a flange."""
     for line in of.lines:
         for end in ("gearbox", "pinion"):
@@ -271,7 +271,7 @@ def flange_directions(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, ratio(*flange.stiffness), against)
 
 
-def rubber_bounce(of: RelationContext) -> ComparedValues:
+def compare_rubber_bounce(of: RelationContext) -> ComparedValues:
     """Natural frequency of the shafts' weight on a centre bearing, Hz.
 
     Half of each shaft that meets at the bearing, with yokes and spline, on its vertical stiffness.
@@ -287,7 +287,7 @@ def rubber_bounce(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, value, (f"{at}.tube", f"{at}.yoke_mass"))
 
 
-def rubber_axial(of: RelationContext) -> ComparedValues:
+def compare_rubber_axial(of: RelationContext) -> ComparedValues:
     """Stiffness of a centre bearing along the shaft over that across it."""
     for at, shaft, _ in of.shafts:
         if (bearing := shaft.centre_bearing) and bearing.stiffness:
@@ -296,7 +296,7 @@ def rubber_axial(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, (f"{at}.centre_bearing.vertical_stiffness",))
 
 
-def flange_stiffness(of: RelationContext) -> ComparedValues:
+def compare_flange_stiffness(of: RelationContext) -> ComparedValues:
     """Stiffness of a flange over that of the line's firmest rubber."""
     for line in of.lines:
         soft = [s.centre_bearing.stiffness for _, s, _ in line.shafts if s.centre_bearing]
@@ -312,7 +312,7 @@ def flange_stiffness(of: RelationContext) -> ComparedValues:
 # --- joints
 
 
-def joint_ratings(of: RelationContext) -> ComparedValues:
+def compare_joint_ratings(of: RelationContext) -> ComparedValues:
     """Fatigue ratings of a joint over its peak torque."""
     for line in of.lines:
         for k, joint in enumerate(line.installed.line.joints, 1):
@@ -324,7 +324,7 @@ def joint_ratings(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, ratio(rating, joint.peak_torque), (f"{line.at}.joints",))
 
 
-def joint_bearing_rating(of: RelationContext) -> ComparedValues:
+def compare_joint_bearing_rating(of: RelationContext) -> ComparedValues:
     """Torque rating of a cross's needle bearings over the joint's peak torque."""
     for line in of.lines:
         for k, joint in enumerate(line.installed.line.joints, 1):
@@ -334,7 +334,7 @@ def joint_bearing_rating(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, rating, (f"{line.at}.joints",))
 
 
-def joint_reserve(of: RelationContext) -> ComparedValues:
+def compare_joint_reserve(of: RelationContext) -> ComparedValues:
     """Peak torque of a joint over the line's largest torque with the shock factor."""
     for line in of.lines:
         share = line.installed.torque_ratio * line.installed.torque_share
@@ -348,7 +348,7 @@ def joint_reserve(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, ratio(joint.peak_torque, torque or None), against)
 
 
-def double_cardan_distance(of: RelationContext) -> ComparedValues:
+def compare_double_cardan_distance(of: RelationContext) -> ComparedValues:
     """Distance of the crosses of a double cardan joint over the diameter of the tube beside it."""
     for line in of.lines:
         shafts = [shaft for _, shaft, _ in line.shafts]
@@ -360,7 +360,7 @@ def double_cardan_distance(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, value, (f"{line.at}.shafts[{min(k, len(shafts))}].tube",))
 
 
-def joints_alike(of: RelationContext) -> ComparedValues:
+def compare_joints_alike(of: RelationContext) -> ComparedValues:
     """Largest over smallest peak torque of a line's crosses."""
     for line in of.lines:
         joints = line.installed.line.joints
@@ -369,7 +369,7 @@ def joints_alike(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{line.at}.joints",), max(peaks) / min(peaks))
 
 
-def joint_series(of: RelationContext) -> ComparedValues:
+def compare_joint_series(of: RelationContext) -> ComparedValues:
     """Return the number of makers' series that a line's crosses are of."""
     for line in of.lines:
         crosses = [j for j in line.installed.line.joints if j and j.kind == "cross" and j.series]
@@ -379,7 +379,7 @@ def joint_series(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{line.at}.joints",), float(len(series)), detail=detail)
 
 
-def joint_over_tube(of: RelationContext) -> ComparedValues:
+def compare_joint_over_tube(of: RelationContext) -> ComparedValues:
     """Peak torque of a shaft's smaller cross over the torque at which its tube yields.
 
     Tubes yield in shear at 1/sqrt(3) of their yield strength, after von Mises.
@@ -396,7 +396,7 @@ def joint_over_tube(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, min(peaks) / holds, (f"{at}.tube",))
 
 
-def tube_at_joint_peak(of: RelationContext) -> ComparedValues:
+def compare_tube_at_joint_peak(of: RelationContext) -> ComparedValues:
     """Shear in a tube at the peak torque of its joints, MPa."""
     for line in of.lines:
         joints = line.installed.line.joints
@@ -409,7 +409,7 @@ def tube_at_joint_peak(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, stress / MPa, (f"{at}.tube",))
 
 
-def tube_for_joint(of: RelationContext) -> ComparedValues:
+def compare_tube_for_joint(of: RelationContext) -> ComparedValues:
     """Diameter of a tube (mm) over the cube root of its joint's peak torque (N m).
 
     Shear at the peak torque is alike in tubes of one shape if their diameters keep to that root.
@@ -424,7 +424,7 @@ def tube_for_joint(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, value, (f"{line.at}.joints[{k}]", f"{line.at}.joints"))
 
 
-def tube_for_torque(of: RelationContext) -> ComparedValues:
+def compare_tube_for_torque(of: RelationContext) -> ComparedValues:
     """Diameter of a tube (mm) over the cube root of its torque with shocks (N m).
 
     Of shafts without a cross that has a peak torque.
@@ -446,7 +446,7 @@ def _diameter_for_torque(tube: Tube, torque: float) -> float:
     return tube.outer / mm / torque ** (1 / 3)
 
 
-def tube_shear(of: RelationContext) -> ComparedValues:
+def compare_tube_shear(of: RelationContext) -> ComparedValues:
     """Shear in a tube under the torque that the file gives, MPa."""
     for line in of.lines:
         share = line.installed.torque_ratio * line.installed.torque_share
@@ -457,7 +457,7 @@ def tube_shear(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(("torque",), stress / MPa, (f"{at}.tube",))
 
 
-def published_joint(of: RelationContext) -> ComparedValues:
+def compare_published_joint(of: RelationContext) -> ComparedValues:
     """Peak torque of a shaft's larger joint over that of the joint a maker prints with its tube."""
     for line in of.lines:
         joints = line.installed.line.joints
@@ -483,7 +483,7 @@ def _published_peak(tube: Tube) -> float | None:
 # --- yokes
 
 
-def yoke_phase(of: RelationContext) -> ComparedValues:
+def compare_yoke_phase(of: RelationContext) -> ComparedValues:
     """Distance of a yoke phase from 0 or 90 deg, deg."""
     for at, shaft, _ in of.shafts:
         phase = shaft.phase / deg
@@ -491,7 +491,7 @@ def yoke_phase(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"{at}.phase",), abs(phase - nearest))
 
 
-def yokes_out_of_line(of: RelationContext) -> ComparedValues:
+def compare_yokes_out_of_line(of: RelationContext) -> ComparedValues:
     """Equivalent angle of a line as its yokes stand over that with all in line."""
     for line in of.lines:
         phases = np.array(line.installed.line.phases)
@@ -520,7 +520,7 @@ def _equivalent_angle(line: LineContext, *, phases: FloatArray) -> FloatArray:
 # --- where a line runs
 
 
-def lost_sign(of: RelationContext) -> ComparedValues:
+def compare_lost_sign(of: RelationContext) -> ComparedValues:
     """Bend beside a member that would lie straight if its slope had another sign, deg."""
     for line in of.lines:
         given = [(line.at, line.installed.layout)]
@@ -558,7 +558,7 @@ def _sign_bend(side: FloatArray, other: FloatArray, joints: slice) -> float:
     return now if then < 3 else nan
 
 
-def gearbox_slope(of: RelationContext) -> ComparedValues:
+def compare_gearbox_slope(of: RelationContext) -> ComparedValues:
     """Slope of the gearbox of a vehicle with its engine ahead of the line, deg; falling positive.
 
     Of combustion engines: a motor stands as its frame lets it.
@@ -574,7 +574,7 @@ def gearbox_slope(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, slope, (f"{line.at}.pinion_slope", f"{line.at}.points"))
 
 
-def inner_bend(of: RelationContext) -> ComparedValues:
+def compare_inner_bend(of: RelationContext) -> ComparedValues:
     """Angle of a cross between two shafts in the reference state, deg."""
     for line in of.lines:
         d, kinds = line.installed.layout.directions, line.installed.line.joint_kinds
@@ -585,12 +585,12 @@ def inner_bend(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, angle if kinds[k] == "cross" else nan, against)
 
 
-def line_drop(of: RelationContext) -> ComparedValues:
+def compare_line_drop(of: RelationContext) -> ComparedValues:
     """Side slope from joint 1 to the last less the mean slope of gearbox and pinion, deg."""
     yield from _chord_slopes(of, view="side")
 
 
-def line_offset(of: RelationContext) -> ComparedValues:
+def compare_line_offset(of: RelationContext) -> ComparedValues:
     """Slope from joint 1 to the last less that of gearbox and pinion, from above, deg."""
     yield from _chord_slopes(of, view="top")
 
@@ -615,7 +615,7 @@ def _chord_slopes(of: RelationContext, *, view: str) -> ComparedValues:
 # --- several lines
 
 
-def torque_shares(of: RelationContext) -> ComparedValues:
+def compare_torque_shares(of: RelationContext) -> ComparedValues:
     """Sum of the torque shares of all lines that leave the gearbox, 1 if none is missing."""
     lines = [line for line in of.lines if line.leaves_gearbox]
     vehicle = of.application.vehicle
@@ -628,7 +628,7 @@ def torque_shares(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"{line.at}.torque_share", line.at), float(total), default="1")
 
 
-def inter_axle_shares(of: RelationContext) -> ComparedValues:
+def compare_inter_axle_shares(of: RelationContext) -> ComparedValues:
     """Torque share of a line between axles over that of the line ahead of it."""
     for line in of.lines:
         for ahead in of.lines:
@@ -639,7 +639,7 @@ def inter_axle_shares(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, value, against, default="1")
 
 
-def inter_axle_load_shares(of: RelationContext) -> ComparedValues:
+def compare_inter_axle_load_shares(of: RelationContext) -> ComparedValues:
     """Load share behind a line between axles over that behind the line ahead of it."""
     for line in of.lines:
         for ahead in of.lines:
@@ -649,7 +649,7 @@ def inter_axle_load_shares(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, value, (f"{ahead.at}.load_share",), default="1")
 
 
-def lines_over_axles(of: RelationContext) -> ComparedValues:
+def compare_lines_over_axles(of: RelationContext) -> ComparedValues:
     """Lines to rear axles over the number of driven rear axles."""
     vehicle = of.application.vehicle
     rear = [line for line in of.lines if line.installed.drives == "rear"]
@@ -658,7 +658,7 @@ def lines_over_axles(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("vehicle.drive",), value, ("driveline", "drivelines"))
 
 
-def axle_ratios_alike(of: RelationContext) -> ComparedValues:
+def compare_axle_ratios_alike(of: RelationContext) -> ComparedValues:
     """Pinion speed for one wheel speed of a line over that of the first line."""
     geared = [line for line in of.lines if line.installed.axle]
     for line in geared[1:]:
@@ -669,7 +669,7 @@ def axle_ratios_alike(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"{line.axle}.ratio",), value, (f"{geared[0].axle}.ratio",))
 
 
-def transfer_power(of: RelationContext) -> ComparedValues:
+def compare_transfer_power(of: RelationContext) -> ComparedValues:
     """Torque ratio times speed ratio of a line: gears keep power."""
     for line in of.lines:
         value = line.installed.torque_ratio * line.installed.speed_ratio

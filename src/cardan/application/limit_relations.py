@@ -28,7 +28,7 @@ class LimitBound(NamedTuple):
     sense: LimitSense
 
 
-def looser_limits(of: RelationContext) -> ComparedValues:
+def compare_looser_limits(of: RelationContext) -> ComparedValues:
     """1 for each bound of a file's own limits that no shipped profile has as loose, else 0."""
     for at, limit in _own_limits(of.application):
         for bound in _bounds(limit):
@@ -41,7 +41,7 @@ def looser_limits(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, float(looser), detail=detail)
 
 
-def limits_without_maximum(of: RelationContext) -> ComparedValues:
+def compare_limits_without_maximum(of: RelationContext) -> ComparedValues:
     """1 for each quantity that never fails by a file's own limits, and by shipped ones does."""
     own: dict[tuple[str, LimitSense], list[tuple[str, Limit]]] = {}
     for at, limit in _own_limits(of.application):

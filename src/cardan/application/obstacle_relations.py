@@ -24,14 +24,14 @@ MAX_SKEW_DEG = 15.0
 """What runs across by more is built so: a strut, a Panhard rod, a pipe. Assumed."""
 
 
-def obstacle_distance(of: RelationContext) -> ComparedValues:
+def compare_obstacle_distance(of: RelationContext) -> ComparedValues:
     """Least distance of an obstacle from a shaft of its line in all states, mm; 0 if they touch."""
     for address, line, (free, *_) in _clearances(of):
         against = f"{line.at}.points", f"{line.at}.slopes.side"
         yield ComparedValue((f"{address}.start", address), max(free, 0.0) / mm, against)
 
 
-def obstacle_sign(of: RelationContext) -> ComparedValues:
+def compare_obstacle_sign(of: RelationContext) -> ComparedValues:
     """Distance of an obstacle that would be near a shaft if y or z had the other sign, mm."""
     for address, line, (free, *mirrored) in _clearances(of):
         near = any(0 <= other <= NEAR_SHAFT for other in mirrored)
@@ -63,7 +63,7 @@ def _mirrored(obstacle: Obstacle, axis: int) -> Obstacle:
     return replace(obstacle, start=tuple(start), end=tuple(end))
 
 
-def obstacle_thickness(of: RelationContext) -> ComparedValues:
+def compare_obstacle_thickness(of: RelationContext) -> ComparedValues:
     """Diameter of an obstacle, mm; 0 where the file gives none."""
     for k, obstacle in enumerate(of.application.obstacles, 1):
         at = f"obstacles[{k}]"
@@ -71,7 +71,7 @@ def obstacle_thickness(of: RelationContext) -> ComparedValues:
         yield ComparedValue(keys, 2 * obstacle.radius / mm, default="0 mm")
 
 
-def cross_member_skew(of: RelationContext) -> ComparedValues:
+def compare_cross_member_skew(of: RelationContext) -> ComparedValues:
     """Angle of a cross member from square to the vehicle, deg; both sides of a frame are alike.
 
     Of obstacles from one side of the vehicle to the other. Beyond `MAX_SKEW_DEG` it is no slip.
@@ -85,7 +85,7 @@ def cross_member_skew(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.end", at), value, (f"{at}.start",))
 
 
-def obstacle_slenderness(of: RelationContext) -> ComparedValues:
+def compare_obstacle_slenderness(of: RelationContext) -> ComparedValues:
     """Length of an obstacle's axis over its diameter, of those that are given both ends."""
     for k, obstacle in enumerate(of.application.obstacles, 1):
         end = locate_yaml_address(of.application, f"obstacles[{k}].end")

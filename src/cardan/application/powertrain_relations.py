@@ -38,19 +38,19 @@ ENGINE = "engine.torque", "engine.speed"
 # --- speed and torque of the file against engine and gears
 
 
-def top_speed(of: RelationContext) -> ComparedValues:
+def compare_top_speed(of: RelationContext) -> ComparedValues:
     """Top speed over that of the engine in its highest gear."""
     value = ratio(of.application.speed or None, of.top_speed)
     yield ComparedValue(("speed",), value, ("engine.speed", "gearbox.ratios"))
 
 
-def given_torque(of: RelationContext) -> ComparedValues:
+def compare_given_torque(of: RelationContext) -> ComparedValues:
     """Torque at the gearbox output over the engine's in its lowest gear."""
     value = ratio(of.application.torque or None, of.largest_torque)
     yield ComparedValue(("torque",), value, ("engine.torque", "gearbox.ratios"))
 
 
-def withheld_torque(of: RelationContext) -> ComparedValues:
+def compare_withheld_torque(of: RelationContext) -> ComparedValues:
     """Torque of the file over the smaller of the engine's in its lowest gear and the tyres'."""
     if of.application.torque is None or of.application.engine is None:
         return
@@ -63,7 +63,7 @@ def withheld_torque(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("torque",), value, ("engine.torque", "gearbox.ratios"))
 
 
-def part_speeds(of: RelationContext) -> ComparedValues:
+def compare_part_speeds(of: RelationContext) -> ComparedValues:
     """Speed of a state over the top speed of the gearbox output."""
     top = of.top_speed
     for k, state in enumerate(of.application.states, 1):
@@ -71,7 +71,7 @@ def part_speeds(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"states[{k}].speed",), ratio(state.speed, top), against)
 
 
-def duty_speeds(of: RelationContext) -> ComparedValues:
+def compare_duty_speeds(of: RelationContext) -> ComparedValues:
     """Speed of a duty point over the top speed of the gearbox output."""
     given = of.application.speed
     top = float(np.fmin(of.top_speed, nan if given is None else given))
@@ -79,7 +79,7 @@ def duty_speeds(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"duty[{k}].speed",), ratio(point.speed, top), ("speed",))
 
 
-def windup_speeds(of: RelationContext) -> ComparedValues:
+def compare_windup_speeds(of: RelationContext) -> ComparedValues:
     """Speed of a wind-up state over the engine's top speed in its lowest gear."""
     gearbox = of.application.gearbox
     for k, state in enumerate(of.application.states, 1):
@@ -89,7 +89,7 @@ def windup_speeds(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"states[{k}].speed",), ratio(state.speed, lowest), against)
 
 
-def part_torques(of: RelationContext) -> ComparedValues:
+def compare_part_torques(of: RelationContext) -> ComparedValues:
     """Torque of a state over the largest at the gearbox output."""
     most = of.largest_torque
     for k, state in enumerate(of.application.states, 1):
@@ -97,7 +97,7 @@ def part_torques(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"states[{k}].torque",), ratio(state.torque, most), against)
 
 
-def duty_torques(of: RelationContext) -> ComparedValues:
+def compare_duty_torques(of: RelationContext) -> ComparedValues:
     """Torque of a duty point over the largest at the gearbox output."""
     given = of.application.torque
     most = float(np.fmin(of.largest_torque, nan if given is None else given))
@@ -105,7 +105,7 @@ def duty_torques(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"duty[{k}].torque",), ratio(point.torque, most), ("torque",))
 
 
-def largest_duty_torque(of: RelationContext) -> ComparedValues:
+def compare_largest_duty_torque(of: RelationContext) -> ComparedValues:
     """Largest torque of a duty over the largest at the gearbox output, at its slowest point.
 
     The point that pulls away carries most: a duty without it leaves out what wears most.
@@ -119,7 +119,7 @@ def largest_duty_torque(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"duty[{k + 1}].torque", "duty"), value, against)
 
 
-def part_powers(of: RelationContext) -> ComparedValues:
+def compare_part_powers(of: RelationContext) -> ComparedValues:
     """Torque times speed of a state or duty point over the engine's largest power."""
     for k, p in enumerate(of.application.duty, 1):
         value = ratio(p.torque * p.speed, of.power)
@@ -130,19 +130,19 @@ def part_powers(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"states[{k}].torque",), value, (f"states[{k}].speed", *ENGINE))
 
 
-def coast_torque(of: RelationContext) -> ComparedValues:
+def compare_coast_torque(of: RelationContext) -> ComparedValues:
     """Coast torque over the engine's torque in its lowest gear."""
     value = ratio(of.application.coast_torque or None, of.largest_torque)
     yield ComparedValue(("coast_torque",), value, ("engine.torque", "gearbox.ratios"))
 
 
-def coast_over_drive(of: RelationContext) -> ComparedValues:
+def compare_coast_over_drive(of: RelationContext) -> ComparedValues:
     """Coast torque over the torque that drives, both as the file gives them."""
     value = ratio(of.application.coast_torque, of.application.torque or None)
     yield ComparedValue(("coast_torque",), value, ("torque",))
 
 
-def retarder_torque(of: RelationContext) -> ComparedValues:
+def compare_retarder_torque(of: RelationContext) -> ComparedValues:
     """Torque of the retarder over the engine's in its lowest gear."""
     if gearbox := of.application.gearbox:
         value = ratio(gearbox.retarder_torque or None, of.largest_torque)
@@ -154,7 +154,7 @@ def retarder_torque(of: RelationContext) -> ComparedValues:
 # --- engine
 
 
-def curve_speeds(of: RelationContext) -> ComparedValues:
+def compare_curve_speeds(of: RelationContext) -> ComparedValues:
     """Lowest over highest speed of the full-load curve of a combustion engine."""
     engine = of.application.engine
     if engine and not of.application.electric:
@@ -163,7 +163,7 @@ def curve_speeds(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("engine.speed",), value)
 
 
-def motor_speeds(of: RelationContext) -> ComparedValues:
+def compare_motor_speeds(of: RelationContext) -> ComparedValues:
     """Lowest over highest speed of the full-load curve of an electric motor."""
     engine = of.application.engine
     if engine and of.application.electric and len(engine.speed) > 1:
@@ -171,7 +171,7 @@ def motor_speeds(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("prime_mover",), value, ("engine.speed",))
 
 
-def curve_dip(of: RelationContext) -> ComparedValues:
+def compare_curve_dip(of: RelationContext) -> ComparedValues:
     """Torque of a point of the curve over the lower of the maxima on both sides."""
     curve = of.application.engine.torque if of.application.engine else ()
     for k in range(1, len(curve) - 1):
@@ -180,7 +180,7 @@ def curve_dip(of: RelationContext) -> ComparedValues:
         yield ComparedValue(keys, ratio(curve[k], beside))
 
 
-def curve_start(of: RelationContext) -> ComparedValues:
+def compare_curve_start(of: RelationContext) -> ComparedValues:
     """Torque at the lowest speed of the curve over its largest."""
     engine = of.application.engine
     if engine and len(engine.torque) > 1 and min(engine.speed) > 0:
@@ -188,7 +188,7 @@ def curve_start(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("engine.torque[1]", "engine.torque"), value)
 
 
-def curve_end(of: RelationContext) -> ComparedValues:
+def compare_curve_end(of: RelationContext) -> ComparedValues:
     """Power at the end of the curve over its largest, if no governor's droop explains it."""
     engine = of.application.engine
     if engine is None or len(engine.speed) < MIN_CURVE_POINTS:
@@ -200,7 +200,7 @@ def curve_end(of: RelationContext) -> ComparedValues:
     yield ComparedValue(keys, ratio(power[-1], power[peak]) if wide else nan, ("engine.speed",))
 
 
-def curve_fall(of: RelationContext) -> ComparedValues:
+def compare_curve_fall(of: RelationContext) -> ComparedValues:
     """Torque at the end of a combustion engine's curve over its largest."""
     engine = of.application.engine
     if engine and len(engine.torque) >= MIN_CURVE_POINTS and not of.application.electric:
@@ -208,7 +208,7 @@ def curve_fall(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"engine.torque[{len(engine.torque)}]", "engine.torque"), value)
 
 
-def brake_torque(of: RelationContext) -> ComparedValues:
+def compare_brake_torque(of: RelationContext) -> ComparedValues:
     """Torque of the engine brake over the engine's own."""
     engine = of.application.engine
     if engine and engine.brake_torque:
@@ -216,27 +216,27 @@ def brake_torque(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("engine.brake_torque",), value, ("engine.torque",))
 
 
-def rated_power(of: RelationContext) -> ComparedValues:
+def compare_rated_power(of: RelationContext) -> ComparedValues:
     """Largest torque times speed of the curve over the rated power."""
     if engine := of.application.engine:
         value = ratio(of.power, engine.power)
         yield ComparedValue(("engine.torque",), value, ("engine.power", "engine.speed"))
 
 
-def torque_per_tonne(of: RelationContext) -> ComparedValues:
+def compare_torque_per_tonne(of: RelationContext) -> ComparedValues:
     """Largest torque of the engine for each tonne of the vehicle, N m/t."""
     if engine := of.application.engine:
         value = ratio(max(engine.torque), of.heaviest)
         yield ComparedValue(("engine.torque",), value, (of.heaviest_address,))
 
 
-def power_per_tonne(of: RelationContext) -> ComparedValues:
+def compare_power_per_tonne(of: RelationContext) -> ComparedValues:
     """Largest power of the engine for each tonne of the vehicle, kW/t."""
     value = ratio(of.power / 1e3, of.heaviest)
     yield ComparedValue(("engine.speed",), value, ("engine.torque", of.heaviest_address))
 
 
-def torque_per_litre(of: RelationContext) -> ComparedValues:
+def compare_torque_per_litre(of: RelationContext) -> ComparedValues:
     """Largest torque of the engine over its displacement, N m/l."""
     if engine := of.application.engine:
         litres = None if engine.displacement is None else 1e3 * engine.displacement
@@ -244,7 +244,7 @@ def torque_per_litre(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("engine.torque",), value, ("engine.displacement",))
 
 
-def cylinder_volume(of: RelationContext) -> ComparedValues:
+def compare_cylinder_volume(of: RelationContext) -> ComparedValues:
     """Displacement of one cylinder, l."""
     engine = of.application.engine
     if engine and engine.displacement is not None:
@@ -252,7 +252,7 @@ def cylinder_volume(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("engine.cylinders",), value, ("engine.displacement",))
 
 
-def idle_speed(of: RelationContext) -> ComparedValues:
+def compare_idle_speed(of: RelationContext) -> ComparedValues:
     """Idle speed over the highest of the curve."""
     if engine := of.application.engine:
         yield ComparedValue(
@@ -260,14 +260,14 @@ def idle_speed(of: RelationContext) -> ComparedValues:
         )
 
 
-def governed_speed(of: RelationContext) -> ComparedValues:
+def compare_governed_speed(of: RelationContext) -> ComparedValues:
     """Governed speed over the highest of the curve."""
     if engine := of.application.engine:
         value = ratio(engine.governed, max(engine.speed))
         yield ComparedValue(("engine.governed",), value, ("engine.speed",))
 
 
-def clutch_capacity(of: RelationContext) -> ComparedValues:
+def compare_clutch_capacity(of: RelationContext) -> ComparedValues:
     """Torque that the clutch holds over the engine's largest."""
     engine, clutch = of.application.engine, of.application.clutch
     if engine and clutch:
@@ -278,27 +278,27 @@ def clutch_capacity(of: RelationContext) -> ComparedValues:
 # --- gears
 
 
-def largest_ratio(of: RelationContext) -> ComparedValues:
+def compare_largest_ratio(of: RelationContext) -> ComparedValues:
     """Largest ratio of a gearbox of several."""
     if of.application.gearbox and len(of.application.gearbox.ratios) > 1:
         yield ComparedValue(("gearbox.ratios",), max(of.application.gearbox.ratios))
 
 
-def gear_spread(of: RelationContext) -> ComparedValues:
+def compare_gear_spread(of: RelationContext) -> ComparedValues:
     """Largest over smallest ratio."""
     if of.application.gearbox:
         ratios = of.application.gearbox.ratios
         yield ComparedValue(("gearbox.ratios",), max(ratios) / min(ratios))
 
 
-def gear_steps(of: RelationContext) -> ComparedValues:
+def compare_gear_steps(of: RelationContext) -> ComparedValues:
     """Ratio of a gear over that of the next; lowest and highest alone may stand for all."""
     ratios = of.application.gearbox.ratios if of.application.gearbox else ()
     for k, (low, high) in enumerate(pairwise(ratios if len(ratios) > 2 else ()), 1):
         yield ComparedValue((f"gearbox.ratios[{k}]", "gearbox.ratios"), low / high)
 
 
-def gear_progression(of: RelationContext) -> ComparedValues:
+def compare_gear_progression(of: RelationContext) -> ComparedValues:
     """Lowest step between gears over the next."""
     ratios = of.application.gearbox.ratios if of.application.gearbox else ()
     if len(ratios) >= 3 and not of.has_converter:
@@ -306,21 +306,21 @@ def gear_progression(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("gearbox.ratios[1]", "gearbox.ratios"), value)
 
 
-def reverse_ratio(of: RelationContext) -> ComparedValues:
+def compare_reverse_ratio(of: RelationContext) -> ComparedValues:
     """Reverse ratio over the lowest gear's, of a gearbox with a clutch."""
     if (gearbox := of.application.gearbox) and not of.has_converter:
         value = ratio(gearbox.reverse_ratio, max(gearbox.ratios))
         yield ComparedValue(("gearbox.reverse_ratio",), value, ("gearbox.ratios",))
 
 
-def automatic_reverse_ratio(of: RelationContext) -> ComparedValues:
+def compare_automatic_reverse_ratio(of: RelationContext) -> ComparedValues:
     """Reverse ratio over the lowest gear's, of a gearbox with a converter."""
     if (gearbox := of.application.gearbox) and of.has_converter:
         value = ratio(gearbox.reverse_ratio, max(gearbox.ratios))
         yield ComparedValue(("gearbox.reverse_ratio",), value, ("gearbox.ratios",))
 
 
-def planetary_reverse_ratio(of: RelationContext) -> ComparedValues:
+def compare_planetary_reverse_ratio(of: RelationContext) -> ComparedValues:
     """Reverse ratio over the lowest gear's, of a truck's automatic without a crawler gear."""
     truck = of.vehicle_class in ("medium truck", "heavy truck")
     gearbox = of.application.gearbox
@@ -329,7 +329,7 @@ def planetary_reverse_ratio(of: RelationContext) -> ComparedValues:
         yield ComparedValue(("gearbox.reverse_ratio",), value, ("gearbox.ratios",))
 
 
-def motor_gears(of: RelationContext) -> ComparedValues:
+def compare_motor_gears(of: RelationContext) -> ComparedValues:
     """Gears behind an electric motor."""
     if of.application.electric and of.application.engine and of.application.gearbox:
         count = float(len(of.application.gearbox.ratios))
@@ -339,7 +339,7 @@ def motor_gears(of: RelationContext) -> ComparedValues:
 # --- on the road
 
 
-def road_speed(of: RelationContext) -> ComparedValues:
+def compare_road_speed(of: RelationContext) -> ComparedValues:
     """Road speed at top speed of the gearbox output, km/h."""
     tyre = of.application.tyre
     for line in of.lines:
@@ -352,7 +352,7 @@ def road_speed(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{line.axle}.ratio",), value, against)
 
 
-def gradeability(of: RelationContext) -> ComparedValues:
+def compare_gradeability(of: RelationContext) -> ComparedValues:
     """Push of the engine in its lowest gear over the weight at the largest mass."""
     tyre, gearbox = of.application.tyre, of.application.gearbox
     geared = [line for line in of.lines if line.installed.axle and line.leaves_gearbox]
@@ -367,7 +367,7 @@ def gradeability(of: RelationContext) -> ComparedValues:
     yield ComparedValue(("gearbox.ratios", "engine.torque"), value, against)
 
 
-def typical_parts(of: RelationContext) -> ComparedValues:
+def compare_typical_parts(of: RelationContext) -> ComparedValues:
     """Value of a part of torsion over what is typical of the vehicle's class."""
     if of.vehicle_class is None:
         return
@@ -388,7 +388,7 @@ def typical_parts(of: RelationContext) -> ComparedValues:
             yield ComparedValue((quantity,), value / typical, (of.heaviest_address,))
 
 
-def shock_factor(of: RelationContext) -> ComparedValues:
+def compare_shock_factor(of: RelationContext) -> ComparedValues:
     """Shock factor, if a limit is on a torque that it multiplies."""
     asked = {limit.quantity for limit in of.application.limits}
     if "joint_torque_utilisation" in asked and of.application.engine and of.application.vehicle:

@@ -42,7 +42,7 @@ VEHICLE_PROFILES = frozenset({"van", "medium-truck", "heavy-truck"})
 # --- states
 
 
-def missing_states(of: RelationContext) -> ComparedValues:
+def compare_missing_states(of: RelationContext) -> ComparedValues:
     """Kinds of state that a vehicle's limits expect and the file lacks."""
     application = of.application
     springs = [line.suspension[1] for line in of.lines if line.suspension]
@@ -61,7 +61,7 @@ def missing_states(of: RelationContext) -> ComparedValues:
 # --- loads
 
 
-def lighter(light: str, heavy: str) -> Callable[[RelationContext], ComparedValues]:
+def compare_lighter(light: str, heavy: str) -> Callable[[RelationContext], ComparedValues]:
     """Return the relation of the mass in one load state over that in another."""
 
     def masses(of: RelationContext) -> ComparedValues:
@@ -74,7 +74,7 @@ def lighter(light: str, heavy: str) -> Callable[[RelationContext], ComparedValue
     return masses
 
 
-def centre_height(of: RelationContext) -> ComparedValues:
+def compare_centre_height(of: RelationContext) -> ComparedValues:
     """Height of the centre of gravity over the wheelbase."""
     if vehicle := of.application.vehicle:
         for load in vehicle.loads:
@@ -83,7 +83,7 @@ def centre_height(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, ("vehicle.wheelbase",))
 
 
-def centre_over_tyre(of: RelationContext) -> ComparedValues:
+def compare_centre_over_tyre(of: RelationContext) -> ComparedValues:
     """Height of the centre of gravity over the tyre's radius."""
     if (vehicle := of.application.vehicle) and (tyre := of.application.tyre):
         for load in vehicle.loads:
@@ -92,7 +92,7 @@ def centre_over_tyre(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, ("tyre.static_radius",))
 
 
-def payload_height(of: RelationContext) -> ComparedValues:
+def compare_payload_height(of: RelationContext) -> ComparedValues:
     """Height of the payload's centre of gravity over the tyre's radius."""
     vehicle, tyre = of.application.vehicle, of.application.tyre
     loads = {load.name: load for load in vehicle.loads} if vehicle else {}
@@ -105,7 +105,7 @@ def payload_height(of: RelationContext) -> ComparedValues:
     yield ComparedValue((f"{LADEN}.cg_height",), value, (f"{UNLADEN}.cg_height",))
 
 
-def payload_place(of: RelationContext) -> ComparedValues:
+def compare_payload_place(of: RelationContext) -> ComparedValues:
     """Share of the payload that the rear axles carry."""
     vehicle = of.application.vehicle
     if vehicle is None or any(line.installed.forward for line in of.lines):
@@ -123,7 +123,7 @@ def payload_place(of: RelationContext) -> ComparedValues:
         yield ComparedValue(keys, value, (f"{LADEN}.front_axle", UNLADEN))
 
 
-def front_share(of: RelationContext) -> ComparedValues:
+def compare_front_share(of: RelationContext) -> ComparedValues:
     """Share of the load on the front axle."""
     if vehicle := of.application.vehicle:
         for load in vehicle.loads:
@@ -133,7 +133,7 @@ def front_share(of: RelationContext) -> ComparedValues:
                 yield ComparedValue((f"{at}.front_axle", at), value, (f"{at}.rear_axle",))
 
 
-def centre_place(of: RelationContext) -> ComparedValues:
+def compare_centre_place(of: RelationContext) -> ComparedValues:
     """Place of the centre of gravity behind the front axle over the wheelbase."""
     if vehicle := of.application.vehicle:
         for load in vehicle.loads:
@@ -142,7 +142,7 @@ def centre_place(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, ("vehicle.wheelbase",))
 
 
-def axle_weight(of: RelationContext) -> ComparedValues:
+def compare_axle_weight(of: RelationContext) -> ComparedValues:
     """Load of each axle, t."""
     if vehicle := of.application.vehicle:
         for load in vehicle.loads:
@@ -153,7 +153,7 @@ def axle_weight(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.rear_axle",), rear, ("vehicle.drive",))
 
 
-def profile_mass(profile: str) -> Callable[[RelationContext], ComparedValues]:
+def compare_profile_mass(profile: str) -> Callable[[RelationContext], ComparedValues]:
     """Return the relation of the largest mass, t, to the profile that limits are from."""
 
     def mass(of: RelationContext) -> ComparedValues:
@@ -166,21 +166,21 @@ def profile_mass(profile: str) -> Callable[[RelationContext], ComparedValues]:
 # --- wheels and axle
 
 
-def tyre_size(of: RelationContext) -> ComparedValues:
+def compare_tyre_size(of: RelationContext) -> ComparedValues:
     """Radius of the loaded tyre, mm."""
     if tyre := of.application.tyre:
         value = tyre.static_radius / mm
         yield ComparedValue(("tyre.static_radius",), value, (of.heaviest_address,))
 
 
-def rolling_radius(of: RelationContext) -> ComparedValues:
+def compare_rolling_radius(of: RelationContext) -> ComparedValues:
     """Radius of the tyre as it rolls over that as it stands."""
     if tyre := of.application.tyre:
         value = ratio(tyre.dynamic_radius, tyre.static_radius)
         yield ComparedValue(("tyre.dynamic_radius",), value, ("tyre.static_radius",))
 
 
-def pinion_ahead(of: RelationContext) -> ComparedValues:
+def compare_pinion_ahead(of: RelationContext) -> ComparedValues:
     """Distance of the last joint ahead of the wheel centre, in tyre radii."""
     for line in of.lines:
         axle, tyre = line.installed.axle, of.application.tyre
@@ -190,12 +190,12 @@ def pinion_ahead(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, ("tyre.static_radius",))
 
 
-def pinion_height(of: RelationContext) -> ComparedValues:
+def compare_pinion_height(of: RelationContext) -> ComparedValues:
     """Height of a through-driven axle's joint from the wheel centre, in tyre radii."""
     yield from _pinion_heights(of, several=True)
 
 
-def single_pinion_height(of: RelationContext) -> ComparedValues:
+def compare_single_pinion_height(of: RelationContext) -> ComparedValues:
     """Height of a single driven axle's joint from the wheel centre, in tyre radii."""
     yield from _pinion_heights(of, several=False)
 
@@ -211,7 +211,7 @@ def _pinion_heights(of: RelationContext, *, several: bool) -> ComparedValues:
             yield ComparedValue(keys, value, ("tyre.static_radius",))
 
 
-def output_behind(of: RelationContext) -> ComparedValues:
+def compare_output_behind(of: RelationContext) -> ComparedValues:
     """Distance of joint 1 behind the wheels of the axle it leaves, in tyre radii."""
     for line in of.lines:
         joint, tyre = line.installed.output_joint, of.application.tyre
@@ -221,7 +221,7 @@ def output_behind(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, ("tyre.static_radius",))
 
 
-def line_reach(of: RelationContext) -> ComparedValues:
+def compare_line_reach(of: RelationContext) -> ComparedValues:
     """Length from joint 1 to the axle over the wheelbase."""
     for line in of.lines:
         vehicle, axle = of.application.vehicle, line.installed.axle
@@ -232,7 +232,7 @@ def line_reach(of: RelationContext) -> ComparedValues:
             yield ComparedValue(("vehicle.wheelbase",), value, (f"{line.at}.points",))
 
 
-def gearbox_place(of: RelationContext) -> ComparedValues:
+def compare_gearbox_place(of: RelationContext) -> ComparedValues:
     """Distance of joint 1 behind the front axle, m, as wheelbase and line say."""
     vehicle = of.application.vehicle
     rear = [
@@ -253,7 +253,7 @@ def gearbox_place(of: RelationContext) -> ComparedValues:
 # --- suspension
 
 
-def unsprung_mass(of: RelationContext) -> ComparedValues:
+def compare_unsprung_mass(of: RelationContext) -> ComparedValues:
     """Unsprung mass over what its axle carries."""
     for line in of.lines:
         if line.suspension and line.reference and line.suspension[1].unsprung_mass:
@@ -263,7 +263,7 @@ def unsprung_mass(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.unsprung_mass",), value, (LADEN,))
 
 
-def ride_frequency(of: RelationContext) -> ComparedValues:
+def compare_ride_frequency(of: RelationContext) -> ComparedValues:
     """Natural frequency on the springs at gvw, Hz."""
     for line in of.lines:
         if line.suspension and line.laden:
@@ -273,7 +273,7 @@ def ride_frequency(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, (f"{at}.springs_per_axle", LADEN))
 
 
-def spring_progression(of: RelationContext) -> ComparedValues:
+def compare_spring_progression(of: RelationContext) -> ComparedValues:
     """Second over first rate of a spring that is given by its rates."""
     for line in of.lines:
         at, suspension = line.suspension or ("", None)
@@ -286,7 +286,7 @@ def spring_progression(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, second / first)
 
 
-def helper_contact(of: RelationContext) -> ComparedValues:
+def compare_helper_contact(of: RelationContext) -> ComparedValues:
     """Deflection at gvw over that at which the second rate begins."""
     for line in of.lines:
         at, suspension = line.suspension or ("", None)
@@ -305,7 +305,7 @@ def _has_helper(of: RelationContext, suspension: str) -> bool:
     return found is not None and ".contact" in found.key
 
 
-def leaf_length(of: RelationContext) -> ComparedValues:
+def compare_leaf_length(of: RelationContext) -> ComparedValues:
     """Front half length of a leaf spring, mm."""
     for line in of.lines:
         at, suspension = line.suspension or ("", None)
@@ -316,7 +316,7 @@ def leaf_length(of: RelationContext) -> ComparedValues:
             yield ComparedValue((key,), ratio(suspension.linkage.radius, 0.75 * mm), (LADEN,))
 
 
-def link_length(of: RelationContext) -> ComparedValues:
+def compare_link_length(of: RelationContext) -> ComparedValues:
     """Length of a rear axle's equivalent link over the wheelbase."""
     for line in of.lines:
         at, suspension = line.suspension or ("", None)
@@ -326,7 +326,7 @@ def link_length(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, ("vehicle.wheelbase",))
 
 
-def link_angle(of: RelationContext) -> ComparedValues:
+def compare_link_angle(of: RelationContext) -> ComparedValues:
     """Angle of a rear axle's equivalent link on the road, pivot above the axle positive, deg."""
     for line in of.lines:
         at, suspension = line.suspension or ("", None)
@@ -336,7 +336,7 @@ def link_angle(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.linkage.angle",), value)
 
 
-def pitch_rate(of: RelationContext) -> ComparedValues:
+def compare_pitch_rate(of: RelationContext) -> ComparedValues:
     """Pitch of a rear axle for each mm that it rises, deg/mm."""
     for line in of.lines:
         at, suspension = line.suspension or ("", None)
@@ -349,7 +349,7 @@ def pitch_rate(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.linkage.pitch_rate",), value, against)
 
 
-def axle_windup(of: RelationContext) -> ComparedValues:
+def compare_axle_windup(of: RelationContext) -> ComparedValues:
     """Pitch of the axle under its largest torque, deg."""
     for line in of.lines:
         axle, vehicle = line.installed.axle, of.application.vehicle
@@ -364,7 +364,7 @@ def axle_windup(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"{at}.windup_stiffness",), value, against)
 
 
-def brake_hold(of: RelationContext) -> ComparedValues:
+def compare_brake_hold(of: RelationContext) -> ComparedValues:
     """Brake torque on an axle over what its tyres hold at gvw."""
     for line in of.lines:
         tyre, (at, suspension) = of.application.tyre, line.suspension or ("", None)
@@ -375,7 +375,7 @@ def brake_hold(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.brake_torque",), value, against)
 
 
-def given_travel(of: RelationContext) -> ComparedValues:
+def compare_given_travel(of: RelationContext) -> ComparedValues:
     """Travel or articulation of a state over the way between the stops."""
     for line in of.lines:
         at, suspension = line.suspension or ("", None)
@@ -390,7 +390,7 @@ def given_travel(of: RelationContext) -> ComparedValues:
                 yield ComparedValue((f"states[{k}].{name}",), value, against)
 
 
-def stop_distance(name: str, sign: int) -> Callable[[RelationContext], ComparedValues]:
+def compare_stop_distance(name: str, sign: int) -> Callable[[RelationContext], ComparedValues]:
     """Return the relation of a stop's place to where the axle stands, mm."""
 
     def distance(of: RelationContext) -> ComparedValues:
@@ -411,7 +411,7 @@ def stop_distance(name: str, sign: int) -> Callable[[RelationContext], ComparedV
     return distance
 
 
-def unladen_strap(of: RelationContext) -> ComparedValues:
+def compare_unladen_strap(of: RelationContext) -> ComparedValues:
     """Distance that the axle can sink from where it stands unladen, mm."""
     kinds = {state.kind for state in of.application.states}
     for line in of.lines:
