@@ -17,7 +17,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from cardan.application import reader
-from cardan.approval.applied_adjustments import allowed_adjustments, evaluate_adjustments
+from cardan.approval.applied_adjustments import allowed_adjustments, response_with_adjustments
 from cardan.approval.approval import Approval, approve_driveline
 from cardan.approval.margins import margins
 from cardan.checks.line_response import compute_line_response
@@ -321,7 +321,7 @@ def test_no_workshop_setting_is_cheaper_than_proposed_correction(assessments):
     assert len(cheaper) > 30
     for some in np.array_split(cheaper, 4):
         assert (
-            margins(evaluate_adjustments(response, movable, some), to="maximum").min(-1) < 0
+            margins(response_with_adjustments(response, movable, some), to="maximum").min(-1) < 0
         ).all()
 
 

@@ -13,7 +13,7 @@ from cardan.application.yaml_edit import format_as_yaml_value
 from cardan.core.errors import FileIssue, InvalidFileError
 from cardan.core.units import UNITS
 
-FORM_FILE_NAME = "form"
+FORM_NAME_IN_ERRORS = "form"
 
 MAX_FORM_SHAFTS = 6
 """Shafts of a form; a file may have more."""
@@ -56,7 +56,7 @@ def application_text_from_form(form: FormData, *, decimal: str = ".") -> str:
     shafts, members = form.get("shafts") or [], form.get("members") or []
     text = "\n".join((*reader.head(), *reader.line(shafts, members), *reader.foot())) + "\n"
     if reader.problems:
-        raise InvalidFileError(FORM_FILE_NAME, tuple(reader.problems))
+        raise InvalidFileError(FORM_NAME_IN_ERRORS, tuple(reader.problems))
     return text
 
 
@@ -86,9 +86,11 @@ def texts_of_both_wheelbases(text: str, form: FormData, *, decimal: str = ".") -
         if not reader.problems and float(value) <= 0:
             reader.wrong(key, "must be above 0", value)
     if reader.problems:
-        raise InvalidFileError(FORM_FILE_NAME, tuple(reader.problems))
+        raise InvalidFileError(FORM_NAME_IN_ERRORS, tuple(reader.problems))
     before, after = (float(value) * UNITS[reader.unit] for value in typed)
-    moved = text_with_wheelbase(text, wheelbase=after, from_wheelbase=before, name=FORM_FILE_NAME)
+    moved = text_with_wheelbase(
+        text, wheelbase=after, from_wheelbase=before, name=FORM_NAME_IN_ERRORS
+    )
     now, then = (f"{value} {reader.unit}" for value in typed)
     return (
         f"# Wheelbase {now}, before the change to {then}\n{text}",

@@ -114,7 +114,7 @@ def line_response_in_states(response: LineResponse, states: Sequence[int]) -> Li
     )
 
 
-def evaluate_adjustments(
+def response_with_adjustments(
     response: LineResponse, movable: tuple[PermittedAdjustment, ...], amounts: FloatArray
 ) -> LineResponse:
     """Return the response of a line with each thing moved by its amount, (V, movable) SI.

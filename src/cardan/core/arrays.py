@@ -34,7 +34,7 @@ def array_namespace(*arrays: Any) -> Any:
     return np
 
 
-def as_float_arrays(*values: Any, like: Any = None) -> tuple[Any, *tuple[FloatArray, ...]]:
+def array_library_and_floats(*values: Any, like: Any = None) -> tuple[Any, *tuple[FloatArray, ...]]:
     """Return the array library of the values, then each value as a real array of it.
 
     Numbers and lists become arrays of that library; NumPy's are in double precision. An

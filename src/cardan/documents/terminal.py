@@ -21,7 +21,7 @@ from cardan.render.check_texts import limit_text, lower_bound_explanation, value
 from cardan.render.i18n import ENGLISH, LANGUAGE_CODES, Translator
 from cardan.render.phrases import (
     citation,
-    doubtful_values_text,
+    doubtful_value_count_text,
     is_partial_approval,
     note_sentences,
     short_verdict_text,
@@ -122,7 +122,7 @@ def file_lines(of: "Sequence[Variant]", say: Translator = ENGLISH) -> Iterator[s
             "warn" if partial else approval.verdict, verdict_text(approval, say)
         )
         told = filter(
-            None, (_worst_criterion_text(approval, say), doubtful_values_text(approval, say))
+            None, (_worst_criterion_text(approval, say), doubtful_value_count_text(approval, say))
         )
         room = " " * (wide - display_width(v.name))
         yield f"{v.name}{room}  {verdict}: {'; '.join(told)}"
@@ -203,7 +203,7 @@ def comparison_lines(
         for k, v in enumerate(of[some], start + 1):
             if is_partial_approval(v.approval):
                 yield f"* {k}. {verdict_text(v.approval, say)}"
-            if doubt := doubtful_values_text(v.approval, say):
+            if doubt := doubtful_value_count_text(v.approval, say):
                 yield f"* {k}. {doubt}"
         if start + most < len(of):
             yield ""

@@ -387,7 +387,7 @@ def _unevaluated_line(
     return say("{name}: needs {needs}", name=name, needs=needs)
 
 
-def doubtful_values_text(of: "Approval", say: Translator) -> str:
+def doubtful_value_count_text(of: "Approval", say: Translator) -> str:
     """Return how many values look wrong, which a verdict may hang on; "" if none."""
     if not (keys := {w.key for w in of.application.warnings}):
         return ""

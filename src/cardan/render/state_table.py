@@ -66,7 +66,7 @@ class StateTableRow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StateTableSection:
+class LineStateTableSection:
     """Rows that belong together."""
 
     title: str
@@ -82,10 +82,10 @@ APPROXIMATION_METHOD_TITLES = {
 """How the approximations are called in print, by their names in the JSON contract."""
 
 
-def state_table_sections(response: LineResponse) -> tuple[StateTableSection, ...]:
+def state_table_sections(response: LineResponse) -> tuple[LineStateTableSection, ...]:
     """Return everything a line does, state by state, without what nothing is known of."""
     kept = (
-        StateTableSection(
+        LineStateTableSection(
             title=title, rows=tuple(_known_rows(list(_section_rows(response, title))))
         )
         for title in get_args(Heading)

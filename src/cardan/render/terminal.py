@@ -14,7 +14,7 @@ from cardan.render.phrases import (
     check_counts_text,
     check_location,
     citation,
-    doubtful_values_text,
+    doubtful_value_count_text,
     is_partial_approval,
     note_sentences,
     unevaluated_limit_lines,
@@ -42,7 +42,7 @@ def summary_lines(of: "Approval", say: Translator = ENGLISH) -> Iterator[str]:
         verdict_text(of, say),
     )
     counts = check_counts_text(of.checks, say, of.coverage.unevaluated)
-    told = "; ".join(filter(None, (counts, doubtful_values_text(of, say))))
+    told = "; ".join(filter(None, (counts, doubtful_value_count_text(of, say))))
     yield f"{bold(of.application.title)}: {said} ({told})"
 
 

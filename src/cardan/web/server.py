@@ -16,7 +16,7 @@ from weakref import WeakSet
 from cardan.core.errors import CardanError, MissingDependencyError
 from cardan.web.security import WEBSOCKET_SUBPROTOCOL, RequestGuard
 from cardan.web.session import MAX_MESSAGE_BYTES, InvalidMessageError, Session
-from cardan.web.worker_pool import PATIENT_ANSWER_TIMEOUT_S, WorkerPool, WorkerQueue
+from cardan.web.worker_pool import PATIENT_ANSWER_TIMEOUT_S, WorkerQueue, WorkerQueues
 from cardan.web.workspace import Workspace
 
 LOOPBACK_ADDRESSES = ((socket.AF_INET, "127.0.0.1"), (socket.AF_INET6, "::1"))
@@ -139,7 +139,7 @@ class WorkbenchApp:
         self.workspace, self.port = desk, port
         self.built = static_files() if built is None else built
         self.token = secrets.token_urlsafe(24)
-        self.workers = WorkerPool(
+        self.workers = WorkerQueues(
             quick=WorkerQueue(),
             limits=WorkerQueue(),
             slow=WorkerQueue(PATIENT_ANSWER_TIMEOUT_S, patient=True),

@@ -44,7 +44,7 @@ from cardan.web import ui_texts as words
 from cardan.web.first_steps import BRACKET_EXAMPLE, missing_libraries
 from cardan.web.jobs import InvalidMessageError, MessageTooLargeError
 from cardan.web.upload import Upload
-from cardan.web.worker_pool import LatestOnlyQueue, WorkerPool
+from cardan.web.worker_pool import LatestOnlyQueue, WorkerQueues
 from cardan.web.workspace import (
     EditConflictError,
     Workspace,
@@ -94,7 +94,7 @@ class Socket(Protocol):
 class Session:
     """One page, from its hello to its end."""
 
-    def __init__(self, socket: Socket, desk: Workspace, lanes: WorkerPool, *, token: str) -> None:
+    def __init__(self, socket: Socket, desk: Workspace, lanes: WorkerQueues, *, token: str) -> None:
         self.socket, self.workspace, self.workers, self.token = socket, desk, lanes, token
         self.quick, self.limits, self.slow = map(
             LatestOnlyQueue, (lanes.quick, lanes.limits, lanes.slow)

@@ -161,7 +161,7 @@ class WorkerQueue:
         return process.returncode
 
 
-class WorkerPool(NamedTuple):
+class WorkerQueues(NamedTuple):
     """What answers: each what would wait too long behind another's questions."""
 
     quick: WorkerQueue

@@ -7,7 +7,7 @@ import pytest
 from repository import EXAMPLES
 
 from cardan.application import limit_profiles, reader
-from cardan.approval.applied_adjustments import all_adjustments, evaluate_adjustments
+from cardan.approval.applied_adjustments import all_adjustments, response_with_adjustments
 from cardan.approval.driveline_study import line_checks
 from cardan.checks.line_response import compute_line_response
 from cardan.core.units import deg, g, mm, rpm
@@ -134,7 +134,7 @@ def test_points_that_no_variant_changes_are_asked_once(truck):
     (height,) = (
         a for a in all_adjustments(r) if (a.adjustment_key, a.part) == ("bearing_height", 1)
     )
-    moved = evaluate_adjustments(r, (height,), np.array([[0.0], [0.004], [-0.004]]))
+    moved = response_with_adjustments(r, (height,), np.array([[0.0], [0.004], [-0.004]]))
     found, alone = moved.operating_envelope, r.operating_envelope
     assert found.points.speed.shape == alone.points.speed.shape
     assert found.points.speed.shape[1] == 1

@@ -17,7 +17,7 @@ from cardan.approval.applied_adjustments import (
     AppliedAdjustment,
     allowed_adjustments,
     corrected_application,
-    evaluate_adjustments,
+    response_with_adjustments,
 )
 from cardan.approval.approval import approve_driveline
 from cardan.checks.line_response import compute_line_response
@@ -56,7 +56,7 @@ def line():
 def moved(line, what, part, amount):
     """The line with one thing moved, and where its joints have gone."""
     one = PermittedAdjustment(adjustment_key=what, part=part, low=-1.0, high=1.0)
-    found = evaluate_adjustments(line, (one,), np.array([[amount]]))
+    found = response_with_adjustments(line, (one,), np.array([[amount]]))
     return found, (found.layout.points - line.layout.points)[0, 0]
 
 
@@ -151,7 +151,9 @@ def test_single_corrections_are_given_for_warnings():
         for effect in one.effects:
             both = {}
             for way, amount in (("back", effect.low), ("forth", effect.high)):
-                there = evaluate_adjustments(response, (effect.adjustable,), np.array([[amount]]))
+                there = response_with_adjustments(
+                    response, (effect.adjustable,), np.array([[amount]])
+                )
                 k = int(one.check.part.number) - 1
                 both[way] = there.joint_angles[0, 0, k]
             assert (effect.back, effect.forth) == pytest.approx((both["back"], both["forth"]))
@@ -230,9 +232,9 @@ def test_forward_axle_shim_changes_inter_axle_line(turn):
         approve_driveline(
             corrected_application(main, (shim,), np.array([turn * deg]))
         ).line_responses,
-        [evaluate_adjustments(r, (shim,), np.array([turn * deg])) for r in (main, between)],
+        [response_with_adjustments(r, (shim,), np.array([turn * deg])) for r in (main, between)],
         [
-            evaluate_adjustments(r, (shim,), np.array([[0.0], [turn * deg]]))
+            response_with_adjustments(r, (shim,), np.array([[0.0], [turn * deg]]))
             for r in (main, between)
         ],
     ]

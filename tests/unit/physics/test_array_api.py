@@ -8,7 +8,7 @@ import pytest
 from repository import EXAMPLES
 
 from cardan.application import reader
-from cardan.core.arrays import array_namespace, as_float_arrays, in_chunks
+from cardan.core.arrays import array_library_and_floats, array_namespace, in_chunks
 from cardan.model.layout import Layout, unit_vector
 from cardan.physics.kinematics import equivalent_angle as equivalent
 from cardan.physics.kinematics import hooke_joint as joint
@@ -142,7 +142,7 @@ def test_bearing_forces_of_example_match_numpy(name):
 
 
 def test_scalars_use_the_namespace_of_the_arrays():
-    xp, number, array = as_float_arrays(2, strict.asarray([1.0]))
+    xp, number, array = array_library_and_floats(2, strict.asarray([1.0]))
     assert xp is strict
     assert array_namespace(number) is array_namespace(array) is strict
-    assert as_float_arrays(2)[0] is as_float_arrays([1, 2])[0] is np
+    assert array_library_and_floats(2)[0] is array_library_and_floats([1, 2])[0] is np

@@ -186,7 +186,7 @@ class ConstrainedBracketSolution:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BoltedContactModel:
+class FlangeJointStressPlaces:
     """A flange's joint with its frame, and where its stress is read: `places` of each way held."""
 
     flange: BoltedFlange
@@ -234,7 +234,7 @@ class SolvedBracket:
     cost_estimate: CostEstimate
     fillet: tuple[Metre, Metre] | None = None
     face_selections: tuple[FaceSelection, ...] = ()
-    contact_model: BoltedContactModel | None = None
+    contact_model: FlangeJointStressPlaces | None = None
 
     @property
     def boundary_cases(self) -> tuple[ConstrainedBracketSolution, ConstrainedBracketSolution]:
@@ -562,7 +562,7 @@ def _swing(
 
 def _bolted(
     body: BracketSolid, done: AdaptiveSolution, task: SolveRequest, tell: StatusCallback
-) -> BoltedContactModel:
+) -> FlangeJointStressPlaces:
     """Return the flange's joint, and the places of either way held where its stress is read.
 
     Those are the highest of each feature, under the loads that tell most; of the plane against the
@@ -603,4 +603,4 @@ def _bolted(
         read=read,
         tell=tell,
     )
-    return BoltedContactModel(flange=joint, places=tuple(places))
+    return FlangeJointStressPlaces(flange=joint, places=tuple(places))

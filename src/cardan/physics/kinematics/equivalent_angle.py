@@ -17,7 +17,13 @@ from math import ceil, pi
 from operator import add
 from typing import Any
 
-from cardan.core.arrays import ArrayLike, ComplexArray, FloatArray, array_namespace, as_float_arrays
+from cardan.core.arrays import (
+    ArrayLike,
+    ComplexArray,
+    FloatArray,
+    array_library_and_floats,
+    array_namespace,
+)
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.units import deg, rpm
 from cardan.physics.kinematics.hooke_joint import irregularity, max_acceleration
@@ -43,7 +49,7 @@ def true_angle_from_tangents(side: ArrayLike, top: ArrayLike) -> FloatArray:
     Exact behind a member that is level in both views; `chain.joint_angles` is exact always.
     Source: Elbe catalogue.
     """
-    xp, side, top = as_float_arrays(side, top)
+    xp, side, top = array_library_and_floats(side, top)
     return xp.atan(xp.hypot(xp.tan(side), xp.tan(top)))
 
 
@@ -52,7 +58,7 @@ def true_angle_by_pythagoras(side: ArrayLike, top: ArrayLike) -> FloatArray:
 
     Source: Souza (2014), table 3.
     """
-    xp, side, top = as_float_arrays(side, top)
+    xp, side, top = array_library_and_floats(side, top)
     return xp.hypot(side, top)
 
 
@@ -68,14 +74,14 @@ def joint_plane_angle(side: ArrayLike, top: ArrayLike) -> FloatArray:
 
     Source: Souza (2014), table 3.
     """
-    xp, side, top = as_float_arrays(side, top)
+    xp, side, top = array_library_and_floats(side, top)
     # Twice: a full turn is what is left of the tiniest negative angle the first time.
     return xp.atan2(side, top) % (2 * pi) % (2 * pi)
 
 
 def joint_plane_quadrant(side: ArrayLike, top: ArrayLike) -> Any:
     """Quadrant of the joint's plane, (...) integers 1 to 4; 1 begins at position 0."""
-    xp, angle = as_float_arrays(joint_plane_angle(side, top))
+    xp, angle = array_library_and_floats(joint_plane_angle(side, top))
     return xp.astype(xp.floor(angle / (pi / 2)), xp.int64) + 1
 
 
@@ -84,7 +90,7 @@ def angle_for_acceleration(acceleration: ArrayLike, *, speed: ArrayLike) -> Floa
 
     Source: Dana Spicer J3311-1, table of angles by speed (1000 rad/s²).
     """
-    xp, acceleration, speed = as_float_arrays(acceleration, speed)
+    xp, acceleration, speed = array_library_and_floats(acceleration, speed)
     return xp.sqrt(acceleration) / speed
 
 
@@ -151,7 +157,7 @@ def excitation_of_rotating_chain(
     -----
     Members rigid. Source: derived from first principles.
     """
-    xp, speed = as_float_arrays(speed, like=turn.phasors)
+    xp, speed = array_library_and_floats(speed, like=turn.phasors)
     drive, coast = (
         EquivalentSingleJoint(
             angle=_angle(xp.abs(xp.sum(phasors, axis=-1))),
@@ -182,7 +188,7 @@ def shaft_inertia_torques(
 
     Arguments are those of `excitation`.
     """
-    _, speed, J = as_float_arrays(speed, inertias, like=turn.phasors)
+    _, speed, J = array_library_and_floats(speed, inertias, like=turn.phasors)
     drive, coast = (speed**2 * _largest_sum(phasors, J) for phasors in _seen(turn))
     return drive, coast
 
@@ -233,7 +239,7 @@ def ae7_excitation(
     The weights of drive and coast take all shafts for equally heavy; the torques do not.
     Source: SAE AE-7, p. 50; odd yoke phases derived, confirmed against the exact chain.
     """
-    xp, side, top, phases, speed = as_float_arrays(side, top, phases, speed)
+    xp, side, top, phases, speed = array_library_and_floats(side, top, phases, speed)
     terms = ae7_phasor_terms(side, top, phases=phases)
     steps = (terms[..., k] for k in range(terms.shape[-1]))
     *shafts, pinion = accumulate(steps)
@@ -247,7 +253,7 @@ def ae7_excitation(
     def torque(phasors: list[ComplexArray]) -> FloatArray | None:
         if inertias is None:
             return None
-        _, J = as_float_arrays(inertias, like=pinion)
+        _, J = array_library_and_floats(inertias, like=pinion)
         return ae7_acceleration([J[..., j] * p for j, p in enumerate(phasors)], speed=speed)
 
     torsional = joint(pinion)
@@ -266,7 +272,7 @@ def ae7_phasor_terms(side: ArrayLike, top: ArrayLike, *, phases: ArrayLike) -> C
 
     The arguments are those of `ae7`; the sum over the joints is P_n, the pinion's.
     """
-    xp, side, top, phases = as_float_arrays(side, top, phases)
+    xp, side, top, phases = array_library_and_floats(side, top, phases)
     of = (phases[..., k] for k in range(phases.shape[-1]))
     signs = accumulate(of, lambda s, phase: ae7_sign_of_next_joint(s, phase=phase), initial=1.0)
     steps = [ae7_phasor_term(s, side=side[..., k], top=top[..., k]) for k, s in enumerate(signs)]
@@ -324,7 +330,7 @@ def spicer_sine_squared_excitation(
     inertias: ArrayLike | None = None,
 ) -> KinematicExcitation:
     """`ae7` with accelerations ω² sin² of the equivalent angle, as some tools have it."""
-    xp, speed = as_float_arrays(speed, like=side)
+    xp, speed = array_library_and_floats(speed, like=side)
     result = ae7_excitation(side, top, phases=phases, speed=speed, inertias=inertias)
     return _revalued(result, lambda angle: (speed * xp.sin(angle)) ** 2)
 
@@ -338,7 +344,7 @@ def spicer_rpm_and_degrees_excitation(
     inertias: ArrayLike | None = None,
 ) -> KinematicExcitation:
     """`ae7` with accelerations 3.3403e-6 N² θ², N in rpm and θ in degrees."""
-    _, speed = as_float_arrays(speed, like=side)
+    _, speed = array_library_and_floats(speed, like=side)
     result = ae7_excitation(side, top, phases=phases, speed=speed, inertias=inertias)
     return _revalued(
         result, lambda angle: SPICER_ACCELERATION_FACTOR * (speed / rpm * angle / deg) ** 2

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from math import pi
 from typing import Any
 
-from cardan.core.arrays import ArrayLike, FloatArray, as_float_arrays
+from cardan.core.arrays import ArrayLike, FloatArray, array_library_and_floats
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.units import Radian
 
@@ -73,7 +73,7 @@ def angle_lead(theta: ArrayLike, *, beta: ArrayLike, pin: Radian = PIN_IN_PLANE)
 
 def output_angle(theta: ArrayLike, *, beta: ArrayLike, pin: Radian = PIN_IN_PLANE) -> FloatArray:
     """Output angle (...) rad: input plus `lead`, counted from where the output is at θ = 0."""
-    _, theta = as_float_arrays(theta, like=beta)
+    _, theta = array_library_and_floats(theta, like=beta)
     return theta + angle_lead(theta, beta=beta, pin=pin)
 
 
@@ -175,7 +175,7 @@ def angle_for_irregularity(swing: ArrayLike) -> FloatArray:
 
     With c = cos β, c² + I c = 1; and then tan² β = I/c, which is exact for small I too.
     """
-    xp, swing = as_float_arrays(swing)
+    xp, swing = array_library_and_floats(swing)
     cos = 2 / (swing + xp.sqrt(swing**2 + 4))
     return xp.atan(xp.sqrt(swing / cos))
 
@@ -211,7 +211,7 @@ def angle_for_max_acceleration(acceleration: ArrayLike) -> FloatArray:
     `max_acceleration` rises with the angle from 0 without bound, so bisection finds its inverse
     to rounding. `equivalent_angle.angle_for_acceleration` is the approximation ω² β².
     """
-    xp, wanted = as_float_arrays(acceleration)
+    xp, wanted = array_library_and_floats(acceleration)
     low, high = 0 * wanted, 0 * wanted + pi / 2 * (1 - 1e-12)
     for _ in range(BISECTION_STEPS):
         middle = (low + high) / 2
@@ -256,7 +256,7 @@ def _acceleration_at(beta: ArrayLike, cos_2theta: Callable[[Any, Any], Any]) -> 
 
 def _small(beta: ArrayLike) -> FloatArray:
     """β²: the acceleration of a small angle."""
-    _, beta = as_float_arrays(beta)
+    _, beta = array_library_and_floats(beta)
     return beta**2
 
 
@@ -341,7 +341,7 @@ def _quadruple(xp: Any, first: Any, pin: Radian) -> Any:
 
 def _unlocked(beta: ArrayLike, *more: ArrayLike) -> tuple[Any, *tuple[FloatArray, ...]]:
     """Return the array library and the arguments, the joint angle held below π/2."""
-    xp, *arrays = as_float_arrays(beta, *more)
+    xp, *arrays = array_library_and_floats(beta, *more)
     if not bool(xp.all(xp.abs(arrays[0]) < pi / 2)):
         msg = "a joint angle must stay below 90 deg, where the joint locks"
         raise ValueError(msg)

@@ -38,8 +38,8 @@ from cardan.core.arrays import (
     ArrayLike,
     ComplexArray,
     FloatArray,
+    array_library_and_floats,
     array_namespace,
-    as_float_arrays,
     first_axis_last,
 )
 from cardan.core.errors import DesignError
@@ -69,7 +69,7 @@ def joint_angles(directions: ArrayLike) -> FloatArray:
 
     Exact and well conditioned at every angle: atan2(|u x v|, u . v).
     """
-    xp, d = as_float_arrays(directions)
+    xp, d = array_library_and_floats(directions)
     u, v = d[..., :-1, :], d[..., 1:, :]
     normal = cross_product(u, v)
     return xp.atan2(xp.sqrt(dot_product(normal, normal)), dot_product(u, v))
@@ -162,7 +162,7 @@ class ChainRotation:
 
         u - iv of its two axes: y - iz as the shortest way from x to the member carries it.
         """
-        xp, d = as_float_arrays(self.directions[..., :-1, :])
+        xp, d = array_library_and_floats(self.directions[..., :-1, :])
         return xp.asarray(_Y_IZ) - _slopes(d)[..., None] * (xp.asarray(_X) + d)
 
     @cached_property
@@ -202,7 +202,7 @@ def rotate_chain(
     DesignError
         If a joint angle reaches a right angle, where the joint locks.
     """
-    xp, d, phases = as_float_arrays(directions, phases)
+    xp, d, phases = array_library_and_floats(directions, phases)
     slopes = _slopes(d)
     before, after = slopes[..., :-1], slopes[..., 1:]
     apart = 1 + xp.conj(before) * after
@@ -243,7 +243,7 @@ def yoke_phases_as_if_all_crosses(phases: Any, crosses: Sequence[float]) -> Any:
     """
     if all(crosses):
         return phases
-    xp, phases = as_float_arrays(phases)
+    xp, phases = array_library_and_floats(phases)
     return phases - xp.asarray([(1 - c) * np.pi / 2 for c in crosses[:-1]])
 
 

@@ -17,7 +17,7 @@ Massless, rigid, no clearance. Source: derived from first principles; AE-7 for s
 
 from math import pi
 
-from cardan.core.arrays import ArrayLike, ComplexArray, FloatArray, as_float_arrays
+from cardan.core.arrays import ArrayLike, ComplexArray, FloatArray, array_library_and_floats
 
 
 def pair_phasor(
@@ -34,14 +34,14 @@ def pair_phasor(
     plane_angle : (...) rad
         Angle ψ from the plane of joint 1 to the plane of joint 2.
     """
-    xp, first, second, phase, plane = as_float_arrays(beta, beta2, phase, plane_angle)
+    xp, first, second, phase, plane = array_library_and_floats(beta, beta2, phase, plane_angle)
     r, step = xp.tan(first / 2) ** 2, xp.tan(second / 2) ** 2 * xp.exp(2j * (phase - plane))
     return (r - step) / (1 - r * step)
 
 
 def equivalent_angle_of_phasor(phasor: ArrayLike) -> FloatArray:
     """Angle (...) rad of the single joint with the same fluctuation: 2 atan √|E|."""
-    xp, size = as_float_arrays(abs(phasor))  # type: ignore[arg-type]
+    xp, size = array_library_and_floats(abs(phasor))  # type: ignore[arg-type]
     return 2 * xp.atan(xp.sqrt(size))
 
 
@@ -50,7 +50,7 @@ def phase_of_least_fluctuation(plane_angle: ArrayLike) -> FloatArray:
 
     δ = ψ up to half a turn, whatever the two joint angles are.
     """
-    _, plane = as_float_arrays(plane_angle)
+    _, plane = array_library_and_floats(plane_angle)
     return pi / 2 - (pi / 2 - plane) % pi
 
 
@@ -60,7 +60,7 @@ def least_equivalent_angle(beta: ArrayLike, beta2: ArrayLike) -> FloatArray:
     |r₁ - r₂| / (1 - r₁ r₂) = tan²(β_eq/2), zero for two equal angles. In closed form
     cos β_eq is the smaller of cos β₁/cos β₂ and its inverse.
     """
-    xp, first, second = as_float_arrays(beta, beta2)
+    xp, first, second = array_library_and_floats(beta, beta2)
     r, r2 = xp.tan(first / 2) ** 2, xp.tan(second / 2) ** 2
     return 2 * xp.atan(xp.sqrt(xp.abs(r - r2) / (1 - r * r2)))
 
@@ -71,7 +71,7 @@ def phase_tolerance(beta: ArrayLike, beta2: ArrayLike, *, limit: ArrayLike) -> F
     Solves |E| = tan²(limit/2) for δ - ψ. nan if no phase keeps the limit, π/2 if every phase
     does.
     """
-    xp, first, second, limit = as_float_arrays(beta, beta2, limit)
+    xp, first, second, limit = array_library_and_floats(beta, beta2, limit)
     r, r2 = xp.tan(first / 2) ** 2, xp.tan(second / 2) ** 2
     k, both = xp.tan(limit / 2) ** 4, r * r2
     least, most = xp.abs(r - r2) / (1 - both), (r + r2) / (1 + both)

@@ -29,8 +29,8 @@ from cardan.core.arrays import (
     ArrayLike,
     ComplexArray,
     FloatArray,
+    array_library_and_floats,
     array_namespace,
-    as_float_arrays,
     first_axis_last,
     stack_keeping_parts_contiguous,
     stack_on_last_axis,
@@ -149,7 +149,7 @@ def joint_loads(
     crosses without mass. Source: derived from first principles; confirmed with independent
     multibody engines.
     """
-    _, _, torque, thrust = as_float_arrays(layout.directions, torque, thrust)
+    _, _, torque, thrust = array_library_and_floats(layout.directions, torque, thrust)
     torques, moments = _transmission(layout, turn)
     if inertias is None:
         torques, moments = (
@@ -158,14 +158,16 @@ def joint_loads(
     else:
         if speed is None:
             sampled = torque[..., None, None] - _spent(
-                turn, *as_float_arrays(inertias, accelerations)[1:]
+                turn, *array_library_and_floats(inertias, accelerations)[1:]
             )
             power = list(np.moveaxis(HalfTurnSeries.from_samples(sampled[..., None]).waves, -2, 0))
             orders = len(power)
         else:
             orders = highest // 2 + 1
             power = [torque[..., None, None] * np.ones(turn.phasors.shape[-1] + 1)[:, None]]
-            power += _spent_evenly(turn, *as_float_arrays(inertias, speed)[1:], orders=orders)
+            power += _spent_evenly(
+                turn, *array_library_and_floats(inertias, speed)[1:], orders=orders
+            )
         torques, moments = (
             HalfTurnSeries(_times([p[..., : w.shape[-3], :] for p in power], w, orders=orders))
             for w in (torques, moments)

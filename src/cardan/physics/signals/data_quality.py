@@ -50,7 +50,7 @@ MIN_CREST_HEIGHT_SHARE_LOST_BY_SAMPLING = 0.01
 """What crests may lose between samples before they are looked for there: 5 % at slope 5."""
 MAX_STRESS_PA = 3e9
 """Stress beyond which no metal of a vehicle bears a cycle, Pa: strongest wire breaks there."""
-MIN_STRESS_RANGE_PA = 0.1e6
+MIN_RECORDING_STRESS_RANGE_PA = 0.1e6
 """Range of a whole recording below which it is the noise of a strain gauge, Pa: 0.5 µm/m."""
 MIN_SAMPLE_RATE_HZ, MAX_SAMPLE_RATE_HZ = 50.0, 1e6
 """Samples a second of a strain gauge: a wheel hops at 10 to 15 Hz, and a converter ends."""
@@ -349,9 +349,9 @@ class DeclaredRecordingProperties:
         size = crest if sound else typical
         if size > MAX_STRESS_PA:
             found[FAULT_UNIT] = REASON_STRESS_TOO_HIGH.with_values(size=size, most=MAX_STRESS_PA)
-        elif high - low < MIN_STRESS_RANGE_PA and not plane:
+        elif high - low < MIN_RECORDING_STRESS_RANGE_PA and not plane:
             found[FAULT_UNIT] = REASON_STRESS_TOO_LOW.with_values(
-                size=high - low, least=MIN_STRESS_RANGE_PA
+                size=high - low, least=MIN_RECORDING_STRESS_RANGE_PA
             )
         elif sound and crest > self.ultimate:
             found[FAULT_ABOVE_TENSILE_STRENGTH] = REASON_ABOVE_TENSILE_STRENGTH.with_values(

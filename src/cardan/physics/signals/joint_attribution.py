@@ -66,10 +66,10 @@ FULL_CONFIDENCE_F_STATISTIC = 60.0
 """F from which the interval is that of the draws alone."""
 CONFIDENCE_INTERVAL_DRAWS = 24
 """Of the interval."""
-MAX_ORDER2_DEVIATION_OF_OTHER_GEARS = 0.2
+MAX_ORDER2_DEVIATION_FROM_OTHER_GEARS = 0.2
 """Share by which order 2 beside an engine order may differ from what other gears foretell (rms, in
 size and phase), and still be the joints' alone."""
-FORETOLD_PHASE_ERRORS_RAD = (0.0, *(k * np.pi / 8 for k in (-3, -2, -1, 1, 2, 3)))
+TRIAL_PHASE_ERRORS_RAD = (0.0, *(k * np.pi / 8 for k in (-3, -2, -1, 1, 2, 3)))
 """By which the phase that other gears foretell may be wrong: an engine that turns with the shaft
 pulls at the ratio of the speed, and near a mode a per cent of frequency turns it by as much."""
 MIN_SIDEBAND_EXCESS_DAMAGE_SHARE = 0.15
@@ -418,12 +418,12 @@ def _share_beside_engine(
     foretold = _order2_of_other_gears(case, may, share)
     size = float(np.mean(np.abs(foretold[may]) ** 2))
     off = np.sqrt(np.mean(np.abs(theirs.second()[may] - foretold[may]) ** 2) / max(size, 1e-300))
-    if off <= MAX_ORDER2_DEVIATION_OF_OTHER_GEARS:
+    if off <= MAX_ORDER2_DEVIATION_FROM_OTHER_GEARS:
         return _ShareBesideEngine(sure)
     # The engine adds to what they do, or takes from it, and has its part in the angle as well.
     turned = [
         mean * share + (foretold * np.exp(1j * phase)).real * (1 - share)
-        for phase in FORETOLD_PHASE_ERRORS_RAD
+        for phase in TRIAL_PHASE_ERRORS_RAD
     ]
     shares = [case.damage_share_of_wave(wave) for wave in turned]
     return _ShareBesideEngine(

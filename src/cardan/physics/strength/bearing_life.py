@@ -12,7 +12,7 @@ from typing import cast
 
 import numpy as np
 
-from cardan.core.arrays import ArrayLike, FloatArray, as_float_arrays
+from cardan.core.arrays import ArrayLike, FloatArray, array_library_and_floats
 from cardan.core.symbolic import ConstantWithDisplayText
 from cardan.core.units import NewtonMetre, deg, hour, kNm, rpm
 from cardan.model.parts import JointSize
@@ -31,7 +31,7 @@ _RATED = ConstantWithDisplayText(
 
 def gwb_rated_torque(bearing_factor: ArrayLike) -> FloatArray:
     """Return Td (...) N m of GWB's bearing capacity factor Lc (...): (Lc / 1.5·10⁻⁴)^0.3 kN m."""
-    _, Lc = as_float_arrays(bearing_factor)
+    _, Lc = array_library_and_floats(bearing_factor)
     return (Lc / 1.5e-4) ** 0.3 * kNm
 
 
@@ -86,7 +86,9 @@ def cross_joint_life_consumption_rate(
     turn's share β/90° per turn of the shaft, and 10⁶ turns of the needles are their rated
     life, hence 1.5·10⁶. Source: SAE AE-7 p. 31; Dana GWB catalogue, selection.
     """
-    xp, T, n, beta, Td, K1 = as_float_arrays(torque, speed, angle, rated_torque, prime_mover_factor)
+    xp, T, n, beta, Td, K1 = array_library_and_floats(
+        torque, speed, angle, rated_torque, prime_mover_factor
+    )
     travel = xp.abs(n) * xp.maximum(beta, xp.asarray(MIN_LIFE_ANGLE_RAD))
     return K1 * travel / _RATED * (xp.abs(T) / Td) ** (10 / 3)
 
@@ -121,7 +123,7 @@ def life_consumption_rate(
     Sources: the exponents ISO 281; A of Rzeppa joints Seherr-Thoss et al. (2006), ch. 4,
     quoted from memory; the tripod's angle derived from its rollers' travel.
     """
-    _, M, n, beta, K1 = as_float_arrays(torque, speed, angle, prime_mover_factor)
+    _, M, n, beta, K1 = array_library_and_floats(torque, speed, angle, prime_mover_factor)
     rated = rated_torque_if_life_computable(size)
     shape = np.broadcast_shapes(M.shape, n.shape, beta.shape, K1.shape)
     if rated is None:
@@ -167,9 +169,9 @@ def joint_life(wear: ArrayLike, *, shares: ArrayLike | None = None) -> FloatArra
     >>> round(joint_life(used) / hour)
     20319
     """
-    xp, rate = as_float_arrays(wear)
+    xp, rate = array_library_and_floats(wear)
     if shares is not None:
-        _, p = as_float_arrays(shares)
+        _, p = array_library_and_floats(shares)
         total = p.sum(-1)
         if not xp.all(total <= 1 + 1e-9):
             msg = f"shares of a duty cycle must add up to at most 1, got {float(xp.max(total)):g}"
@@ -186,5 +188,5 @@ def speed_angle_product(speed: ArrayLike, *, angle: ArrayLike) -> FloatArray:
     For the GWB Compact sizes from 27 000 (2015, 6000 rpm at most) over 19 000 (2045, 4700)
     to 17 000 (2065, 3900).
     """
-    xp, n, beta = as_float_arrays(speed, angle)
+    xp, n, beta = array_library_and_floats(speed, angle)
     return xp.abs(n) * beta

@@ -25,7 +25,7 @@ from cardan.core.arrays import (
     ArrayLike,
     ComplexArray,
     FloatArray,
-    as_float_arrays,
+    array_library_and_floats,
     single_threaded_blas,
     stack_on_last_axis,
 )
@@ -384,7 +384,7 @@ def equivalent_steel_wall_thickness(
     DesignError
         If no wall of that radius carries the torque.
     """
-    _, T, R, Re = as_float_arrays(torque, outer_radius, yield_strength)
+    _, T, R, Re = array_library_and_floats(torque, outer_radius, yield_strength)
     wanted = T * np.sqrt(3) / (2 * pi * Re)
     if at == "outside":
         inside = R**4 - 4 * R * wanted

@@ -8,7 +8,7 @@ and on each other.
 
 import numpy as np
 
-from cardan.core.arrays import ArrayLike, FloatArray, as_float_arrays
+from cardan.core.arrays import ArrayLike, FloatArray, array_library_and_floats
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.units import g, inch, rpm
 from cardan.physics.strength.beams import BeamMatrices, BeamModel, assemble_beams
@@ -65,7 +65,7 @@ def slender_tube_critical_speed(
     >>> round(critical_speed(48 * inch, outer=3 * inch, inner=2.76 * inch, **steel) / rpm)
     8284
     """
-    xp, L, D, d, E, rho = as_float_arrays(length, outer, inner, youngs_modulus, density)
+    xp, L, D, d, E, rho = array_library_and_floats(length, outer, inner, youngs_modulus, density)
     return (xp.pi / L) ** 2 * xp.sqrt(E * (D**2 + d**2) / (16 * rho))
 
 
@@ -83,7 +83,7 @@ def inch_formula_critical_speed(
     >>> round(critical_speed_inch(60 * inch, outer=3.5 * inch, inner=3.26 * inch) / rpm)
     6251
     """
-    xp, L, D, d = as_float_arrays(length, outer, inner)
+    xp, L, D, d = array_library_and_floats(length, outer, inner)
     return 4_705_000 * xp.sqrt(D**2 + d**2) * inch / L**2 * rpm
 
 
@@ -95,7 +95,7 @@ def self_weight_sag(
     `length` in m, `mass_per_length` q/g in kg/m, `bending_stiffness` E I in N m², all (...).
     Source: Souza (2014) eq. 4.
     """
-    _, L, m, EI = as_float_arrays(length, mass_per_length, bending_stiffness)
+    _, L, m, EI = array_library_and_floats(length, mass_per_length, bending_stiffness)
     return 5 * m * g * L**4 / (384 * EI)
 
 

@@ -5,7 +5,7 @@ from math import inf, pi, sqrt
 
 import numpy as np
 
-from cardan.core.arrays import ArrayLike, FloatArray, as_float_arrays
+from cardan.core.arrays import ArrayLike, FloatArray, array_library_and_floats
 from cardan.core.errors import DesignError
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.symbolic import ConstantWithDisplayText
@@ -45,7 +45,7 @@ def tube_shear_stress(torque: ArrayLike, *, outer: ArrayLike, inner: ArrayLike) 
     >>> round(float(tube_shear_stress(10e3, outer=0.1, inner=0.09)) / 1e6, 1)
     148.1
     """
-    xp, T, D, d = as_float_arrays(torque, outer, inner)
+    xp, T, D, d = array_library_and_floats(torque, outer, inner)
     return 16 * T * D / (xp.pi * (D**4 - d**4))
 
 
@@ -59,7 +59,7 @@ def tube_bending_stress(moment: ArrayLike, *, outer: ArrayLike, inner: ArrayLike
 
 def von_mises_stress(shear: ArrayLike, *, normal: ArrayLike = 0.0) -> FloatArray:
     """Equivalent stress of shear and normal stress, (...) Pa: √(σ² + 3 τ²)."""
-    xp, tau, sigma = as_float_arrays(shear, normal)
+    xp, tau, sigma = array_library_and_floats(shear, normal)
     return xp.sqrt(sigma**2 + 3 * tau**2)
 
 
@@ -75,7 +75,7 @@ def tube_utilisation(
 
     τ / (Re/√3), with τ of the torque (...) N m times the shock factor. Source: von Mises.
     """
-    _, T, Re, shock = as_float_arrays(torque, yield_strength, shock_factor)
+    _, T, Re, shock = array_library_and_floats(torque, yield_strength, shock_factor)
     return tube_shear_stress(abs(T) * shock, outer=outer, inner=inner) / (Re / _ROOT3)
 
 
@@ -119,7 +119,7 @@ def tube_buckling_torque(
     from 16 % below to 3 % above. Source: Flügge, Stresses in Shells (1973), ch. 8; the curve by
     `composite.min_buckling_torque`.
     """
-    _, d, inside, E, nu, L = as_float_arrays(outer, inner, modulus, poisson, length)
+    _, d, inside, E, nu, L = array_library_and_floats(outer, inner, modulus, poisson, length)
     t, r = (d - inside) / 2, (d + inside) / 4
     thin = t / r
     endless = 2 * pi * r**2 * t * E * thin**1.5 / (3 * sqrt(2) * (1 - nu**2) ** 0.75)
@@ -161,7 +161,7 @@ def tube_fatigue_utilisation(
     Source: Shigley, Mechanical Engineering Design; on the mean, Smith, Univ. of Illinois
     Bulletin 334 (1942).
     """
-    xp, top, bottom, endured, ultimate = as_float_arrays(
+    xp, top, bottom, endured, ultimate = array_library_and_floats(
         highest, lowest, fatigue_shear, ultimate_shear
     )
     swing = tube_shear_stress((top - bottom) / 2, outer=outer, inner=inner)
@@ -194,8 +194,8 @@ def joint_fatigue_utilisation(
     -----
     Source: ratings as Dana GWB defines them; the line between them derived.
     """
-    xp, top, bottom, Tdw = as_float_arrays(highest, lowest, reversing)
-    _, Tds = as_float_arrays(reversing if pulsating is None else pulsating)
+    xp, top, bottom, Tdw = array_library_and_floats(highest, lowest, reversing)
+    _, Tds = array_library_and_floats(reversing if pulsating is None else pulsating)
     amplitude, mean = xp.abs(top - bottom) / 2, xp.abs(top + bottom) / 2
     return (amplitude + (2 * Tdw / Tds - 1) * mean) / Tdw
 
@@ -209,13 +209,13 @@ def cross_journal_force(
     needle rows (width over the cups less one cup), joint angle `angle` (...) rad. Derived:
     the couple of the journals stands square to the cross, T tilted by at most β.
     """
-    xp, T, a, beta = as_float_arrays(torque, across, angle)
+    xp, T, a, beta = array_library_and_floats(torque, across, angle)
     return xp.abs(T) / (a * xp.cos(beta))
 
 
 def bearing_cup_pressure(force: ArrayLike, *, diameter: ArrayLike, length: ArrayLike) -> FloatArray:
     """Mean pressure of a cup in its yoke, or of needles on a journal, (...) Pa: F / (d l)."""
-    _, F, d, b = as_float_arrays(force, diameter, length)
+    _, F, d, b = array_library_and_floats(force, diameter, length)
     return F / (d * b)
 
 

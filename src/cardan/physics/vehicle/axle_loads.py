@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cardan.core.arrays import ArrayLike, FloatArray, as_float_arrays, stack_on_last_axis
+from cardan.core.arrays import ArrayLike, FloatArray, array_library_and_floats, stack_on_last_axis
 from cardan.core.errors import DesignError, values_of_first_violating_case
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.units import g
@@ -148,7 +148,7 @@ def axle_loads_at_wheel_slip(
     W sin α needs no term of its own, for F holds it. Source: Gillespie (1992), ch. 2; Wong
     (2008), ch. 3; the form for shares of both groups is derived.
     """
-    _, mu, h, L, front, rear = as_float_arrays(
+    _, mu, h, L, front, rear = array_library_and_floats(
         friction, cg_height, wheelbase, front_share, rear_share
     )
     lever = mu * h / L
@@ -236,7 +236,7 @@ def driveline_axle_loads(
     level, slope = (
         static_axle_loads(vehicle, load, grade=a).scaled(times) for a in (0, vehicle.grade)
     )
-    _, mu, part, pushes = as_float_arrays(friction, load_share, push_share)
+    _, mu, part, pushes = array_library_and_floats(friction, load_share, push_share)
     driven_front, driven_rear = float(vehicle.driven_front > 0), vehicle.rear_share
 
     def driven(loads: AxleLoads) -> FloatArray:

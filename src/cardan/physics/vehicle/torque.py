@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cardan.core.arrays import ArrayLike, FloatArray, as_float_arrays, stack_on_last_axis
+from cardan.core.arrays import ArrayLike, FloatArray, array_library_and_floats, stack_on_last_axis
 from cardan.core.lazy_dataclass import dataclass
 from cardan.model.vehicle import Engine, Gearbox
 
@@ -85,7 +85,7 @@ def gear_table(
     """
     ranges = _ranges(gearbox)
     ratios = stack_on_last_axis(low * ratio for low in ranges.values() for ratio in gearbox.ratios)
-    _, pace, share, eta, stall = as_float_arrays(
+    _, pace, share, eta, stall = array_library_and_floats(
         speed_ratio, torque_ratio, gearbox.efficiency, gearbox.converter_ratio
     )
     pace, gain = pace[..., None], (eta * stall * share)[..., None, None]
@@ -215,7 +215,7 @@ def slip_torque_at_friction(
     >>> slip_torque(100e3, friction=0.8, radius=0.5, ratio=4.0, efficiency=0.95).round(1)
     np.float64(10526.3)
     """
-    _, N, mu, r, i, eta = as_float_arrays(load, friction, radius, ratio, efficiency)
+    _, N, mu, r, i, eta = array_library_and_floats(load, friction, radius, ratio, efficiency)
     return mu * N * r / (i * eta)
 
 
@@ -259,7 +259,7 @@ def j3311_low_gear_torque(
     >>> low_gear_torque(1567.5, ratio=10.96).round()
     np.float64(14603.0)
     """
-    _, T, i, eta, stall, low, C = as_float_arrays(
+    _, T, i, eta, stall, low, C = array_library_and_floats(
         torque, ratio, efficiency, stall_ratio, transfer_ratio, transfer_efficiency
     )
     return T * (i * eta * stall * low * C)

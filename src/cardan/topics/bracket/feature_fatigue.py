@@ -41,7 +41,7 @@ def swing_utilisation(
     kind = way.held.zones.kind
     most = zone_utilisation(kind, more * held.mean, more * held.amplitude, strength)
     for at in _in_turn(way, most, every[0]):
-        every[:, at] = swing_utilisation_at(way, at, passes, strength, times)
+        every[:, at] = worst_cycle_at_places(way, at, passes, strength, times)
     return every[0], every[1], every[2]
 
 
@@ -60,7 +60,7 @@ def _in_turn(way: BoundaryCase, most: FloatArray, found: FloatArray) -> Iterator
         yield np.flatnonzero(rest)
 
 
-def swing_utilisation_at(
+def worst_cycle_at_places(
     way: BoundaryCase,
     places: IntArray,
     passes: FloatArray,

@@ -15,7 +15,7 @@ DETAIL_NAME_SAME_AS_SHEET = "sheet"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MetalZoneFatigueData:
+class BracketMetalFatigueData:
     """Fatigue data of the zones of a bracket that is made of one kind of metal."""
 
     metal: MetalFatigueData
@@ -30,12 +30,12 @@ def zone_curve_key(zone: str) -> str:
 
 
 @cache
-def fatigue_data_of_metal(metal: MetalKind) -> MetalZoneFatigueData | None:
+def fatigue_data_of_metal(metal: MetalKind) -> BracketMetalFatigueData | None:
     """Return what a kind of metal bears; None of one that neither guideline nor code covers."""
     row = next((r for r in shipped_csv_rows("metals.csv") if r["name"] == metal), None)
     if row is None:
         return None
-    return MetalZoneFatigueData(
+    return BracketMetalFatigueData(
         metal=MetalFatigueData(
             fatigue_strength_factor=float(row["fatigue_ratio"]),
             roughness_constants=(

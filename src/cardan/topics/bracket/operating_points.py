@@ -10,7 +10,7 @@ from cardan.model.bracket import FATIGUE_ZONES, FatigueZone
 from cardan.physics.fatigue.critical_plane import LoadEnvelope, load_envelope, principal_extremes
 from cardan.physics.fem.stress import superpose, von_mises, von_mises_envelope
 from cardan.topics.bracket.boundary_case import BoundaryCase
-from cardan.topics.bracket.feature_fatigue import swing_utilisation_at, zone_utilisation
+from cardan.topics.bracket.feature_fatigue import worst_cycle_at_places, zone_utilisation
 from cardan.topics.bracket.life import ZoneFatigueStrength
 from cardan.topics.bracket.load_cases import WIDEST_STRESS_SWING_CASE_NAMES, BearingLoadCase
 
@@ -113,6 +113,6 @@ def _swung_most(
     best = found.max(axis=0)
     for k in np.argsort(-first).tolist():
         asked = most[k] > (found[k] if k == told else best)[kind]
-        used = swing_utilisation_at(way, at[asked], points[k], strength, ones)[0]
+        used = worst_cycle_at_places(way, at[asked], points[k], strength, ones)[0]
         np.maximum.at(found[k], kind[asked], used)
         best = np.maximum(best, found[k])

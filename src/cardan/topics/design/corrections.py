@@ -19,7 +19,7 @@ from cardan.approval.applied_adjustments import (
     affected_lines,
     allowed_adjustments,
     corrected_application,
-    evaluate_adjustments,
+    response_with_adjustments,
 )
 from cardan.approval.approval import Approval, approve_application, default_studies
 from cardan.approval.driveline_study import (
@@ -721,7 +721,7 @@ def _tried(
     lines: tuple[LineResponse, ...], movable: tuple[PermittedAdjustment, ...], amounts: FloatArray
 ) -> tuple[LineResponse, ...]:
     """Return lines with things moved by amounts (V, movable), or (movable,)."""
-    return tuple(evaluate_adjustments(line, movable, amounts) for line in lines)
+    return tuple(response_with_adjustments(line, movable, amounts) for line in lines)
 
 
 def _trial(

@@ -13,7 +13,7 @@ import numpy as np
 from cardan.approval.applied_adjustments import (
     ADJUSTMENTS_OF_LINE_WITHOUT_LENGTHS,
     affected_lines,
-    evaluate_adjustments,
+    response_with_adjustments,
 )
 from cardan.approval.margins import (
     MARGIN_CAP,
@@ -33,7 +33,7 @@ from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_
 from cardan.topics.variants.evaluation import (
     VARIANTS_PER_CHUNK,
     application_with_input_values,
-    variable_values,
+    nominal_variable_values,
 )
 from cardan.topics.variants.sampling import SamplingPlan, sampling_plan
 
@@ -115,7 +115,7 @@ class ToleranceModel:
         if not spread:
             return None
         correlated = application.variants.correlated if own and application.variants else ()
-        known = variable_values(application) if own else dict.fromkeys(spread, 0.0)
+        known = nominal_variable_values(application) if own else dict.fromkeys(spread, 0.0)
         return cls(
             application=application,
             line=line,
@@ -168,7 +168,7 @@ class ToleranceModel:
             ),
             ways,
         )
-        return tuple(evaluate_adjustments(line, *merged) for line in lines)
+        return tuple(response_with_adjustments(line, *merged) for line in lines)
 
     def margins(
         self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray, off: FloatArray
@@ -293,7 +293,7 @@ def _own(
         return {}
     every, known = (
         permitted_adjustments_by_name(i.line for i in application.lines),
-        variable_values(application),
+        nominal_variable_values(application),
     )
     each = {n: s for name, s in said.items() for n in known_names_matching_pattern(name, known)}
     return {n: s for n, s in each.items() if n not in every or every[n].line == line}

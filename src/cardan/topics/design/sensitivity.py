@@ -10,8 +10,8 @@ from cardan.approval.applied_adjustments import (
     AppliedAdjustment,
     allowed_adjustments,
     alternative_mount_adjustments,
-    evaluate_adjustments,
     line_response_in_states,
+    response_with_adjustments,
 )
 from cardan.approval.approval import Approval
 from cardan.approval.driveline_study import EvaluatedLimit, check_limit_at_part, evaluate_limits
@@ -414,7 +414,7 @@ def _made(response: LineResponse, moves: Iterable[AppliedAdjustment]) -> _MovedL
     moves = tuple(dict.fromkeys(moves))
     movable = tuple(dict.fromkeys(m.adjustable for m in moves))
     amounts = np.array([[m.amount * (m.adjustable == a) for a in movable] for m in moves])
-    return _MovedLine(moves=moves, response=evaluate_adjustments(response, movable, amounts))
+    return _MovedLine(moves=moves, response=response_with_adjustments(response, movable, amounts))
 
 
 def _spoilt(

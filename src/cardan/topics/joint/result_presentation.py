@@ -78,10 +78,10 @@ def _motion_text(of: SingleJoint, say: Translator) -> str:
 def _titles(of: JointResult, say: Translator) -> Iterator[str]:
     yield one_joint.report_title(of.joint, say)
     if of.pair is not None:
-        yield pair_title(of.pair, say)
+        yield joint_pair_description(of.pair, say)
 
 
-def pair_title(of: JointPair, say: Translator) -> str:
+def joint_pair_description(of: JointPair, say: Translator) -> str:
     """Return what the second joint is, and how it stands to the first."""
     said = say(
         "Second joint at {angle} deg, yoke phase {phase} deg, planes {planes} deg apart",
@@ -220,7 +220,7 @@ def joint_report(of: JointResult, say: Translator) -> ReportDocument:
     """Return a joint, or two, as a report."""
     say = say.with_minus_sign
     sentences = (
-        *(() if of.pair is None else (pair_title(of.pair, say),)),
+        *(() if of.pair is None else (joint_pair_description(of.pair, say),)),
         *phase_tolerance_sentences(of, say), one_joint.zero_angle_sentence(of.joint, say),
     )  # fmt: skip
     subtitle = "One universal joint by itself" if of.pair is None else "Two universal joints"

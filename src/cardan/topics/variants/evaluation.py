@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from cardan.application.overrides import addresses, change
-from cardan.approval.applied_adjustments import adjustment_affects_line, evaluate_adjustments
+from cardan.approval.applied_adjustments import adjustment_affects_line, response_with_adjustments
 from cardan.approval.approval import Approval, approve_driveline
 from cardan.approval.driveline_study import EvaluatedLimit, evaluate_limits
 from cardan.approval.study import DRIVELINE_STUDY_NAME
@@ -402,7 +402,7 @@ class VariantEvaluator:
         BadFile
             If a number cannot be what it may become at the ends of its range.
         """
-        known = variable_values(application)
+        known = nominal_variable_values(application)
         drawn = sampling_plan(variants, known, seed=seed, points=points)
         bench = cls(
             installed=approve_driveline(application),
@@ -538,7 +538,7 @@ class VariantEvaluator:
             if mine:
                 parts = tuple(moves[self.sampling_plan.names[k]] for k in mine)
                 worth = np.array([ADJUSTMENTS[p.adjustment_key].unit_value for p in parts])
-                response = evaluate_adjustments(response, parts, inputs[:, mine] * worth)
+                response = response_with_adjustments(response, parts, inputs[:, mine] * worth)
             places = self._places[response.line.name]
             found.append(_answers(response, self._questions(response), places, count))
         return replace(
@@ -612,7 +612,7 @@ def application_with_input_values(
     return replace(found, limits=application.limits, profile=application.profile)
 
 
-def variable_values(application: Application) -> dict[str, float]:
+def nominal_variable_values(application: Application) -> dict[str, float]:
     """Return every number that may vary, as it is, by name.
 
     Raises

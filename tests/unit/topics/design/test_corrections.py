@@ -12,7 +12,7 @@ from cardan.application.limit_profiles import INLINE_LIMITS_NAME
 from cardan.approval.applied_adjustments import (
     AppliedAdjustment,
     allowed_adjustments,
-    evaluate_adjustments,
+    response_with_adjustments,
 )
 from cardan.approval.approval import approve_application, approve_driveline, with_default_limits
 from cardan.approval.driveline_study import DrivelineStudy, evaluate_limits, line_checks
@@ -342,9 +342,10 @@ def test_batch_of_corrections_equals_single_corrections(truck):
     )
     movable = allowed_adjustments(response)
     amounts = np.random.default_rng(0).uniform(-0.01, 0.01, (5, len(movable)))
-    batch = margins(evaluate_adjustments(response, movable, amounts), to="normal")
+    batch = margins(response_with_adjustments(response, movable, amounts), to="normal")
     single = [
-        margins(evaluate_adjustments(response, movable, a[None]), to="normal")[0] for a in amounts
+        margins(response_with_adjustments(response, movable, a[None]), to="normal")[0]
+        for a in amounts
     ]
     assert batch == pytest.approx(np.array(single), rel=1e-9, abs=1e-9)
 
@@ -354,7 +355,7 @@ def test_zero_correction_keeps_margins(truck):
         truck, line_state_demand(resolve_line_references(truck, truck.lines[0]))
     )
     movable = allowed_adjustments(response)
-    still = evaluate_adjustments(response, movable, np.zeros((1, len(movable))))
+    still = response_with_adjustments(response, movable, np.zeros((1, len(movable))))
     assert margins(still, to="normal")[0] == pytest.approx(
         margins(response, to="normal"), rel=1e-9, abs=1e-9
     )
@@ -391,7 +392,7 @@ def test_exhaustive_search_finds_cheapest_passing_correction(truck, hold):
     least = {
         amounts: min(
             c.margin
-            for c in line_checks(evaluate_adjustments(response, movable, np.array(amounts)))
+            for c in line_checks(response_with_adjustments(response, movable, np.array(amounts)))
         )
         for amounts in every
     }
@@ -594,7 +595,7 @@ def test_single_correction_effect_equals_result_of_moved_line(truck):
     state = response.demand.states.index(worst.check.state)
     helped = 0
     for effect in worst.effects:
-        moved = evaluate_adjustments(
+        moved = response_with_adjustments(
             response, (effect.adjustable,), np.array([[effect.low], [effect.high]])
         )
         (question,) = evaluate_limits(moved, quantities={TORSIONAL.quantity})
@@ -644,7 +645,7 @@ def test_single_correction_lists_checks_that_it_makes_fail():
 
     def answers(moved, s):
         """Return what a move spoils, and the value of a check, of the line moved by itself."""
-        line = evaluate_adjustments(response, (moved.adjustable,), np.array([moved.amount]))
+        line = response_with_adjustments(response, (moved.adjustable,), np.array([moved.amount]))
         after = list(line_checks(line))
         new = {k: v for k, v in worst(after).items() if v[0] > before.get(k, (0, 0))[0]}
         where = s.check.quantity, s.check.part, s.check.limit

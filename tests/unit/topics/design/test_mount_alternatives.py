@@ -12,7 +12,7 @@ from cardan.approval.applied_adjustments import (
     allowed_adjustments,
     alternative_mount_adjustments,
     corrected_application,
-    evaluate_adjustments,
+    response_with_adjustments,
 )
 from cardan.approval.approval import approve_driveline
 from cardan.checks.line_response import LineResponse, compute_line_response
@@ -72,11 +72,11 @@ def test_mount_adjustment_matches_file_with_changed_mount(truck, what):
     by_file = compute_line_response(
         application, line_state_demand(resolve_line_references(application, application.lines[0]))
     )
-    found = evaluate_adjustments(truck, (of(what),), np.array([[0.0], [amount]]))
+    found = response_with_adjustments(truck, (of(what),), np.array([[0.0], [amount]]))
     assert peaks(found)[0] == pytest.approx(peaks(truck), rel=1e-12)
     assert peaks(found)[1] == pytest.approx(peaks(by_file), rel=1e-9)
     assert not np.allclose(peaks(by_file), peaks(truck), rtol=1e-3)
-    alone = evaluate_adjustments(truck, (of(what),), np.array([amount]))
+    alone = response_with_adjustments(truck, (of(what),), np.array([amount]))
     assert peaks(alone) == pytest.approx(peaks(by_file), rel=1e-9)
     after = corrected_application(truck, (of(what),), np.array([amount])).lines[0].line.shafts[0]
     mount, same = after.centre_bearing, application.lines[0].line.shafts[0].centre_bearing
@@ -94,7 +94,7 @@ def test_single_corrections_include_other_mounts(truck):
     assert {"bearing_loss", "bearing_place", "bearing_height"} <= set(told)
     effect = told["bearing_loss"]
     (state,) = np.flatnonzero([n == force.check.when.name for n in truck.demand.states])
-    after = evaluate_adjustments(truck, (effect.adjustable,), np.array([effect.high]))
+    after = response_with_adjustments(truck, (effect.adjustable,), np.array([effect.high]))
     assert effect.forth == pytest.approx(
         after.mount_loads.bearing_force("dynamic")[state, 0], rel=1e-9
     )
@@ -202,7 +202,7 @@ def test_axial_mount_stiffness_varies_in_variant_arrays():
             one, line_state_demand(resolve_line_references(one, one.lines[0]))
         )
         assert both[k] == pytest.approx(peaks(alone), rel=1e-9)
-    softer = evaluate_adjustments(alone, (of("bearing_stiffness"),), np.array([[0.0], [-0.5]]))
+    softer = response_with_adjustments(alone, (of("bearing_stiffness"),), np.array([[0.0], [-0.5]]))
     assert softer.mounts.mounted_line.stiffness[1, 0, 0, 2] == pytest.approx(30e3)
 
 

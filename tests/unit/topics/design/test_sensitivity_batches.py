@@ -5,7 +5,7 @@ import pytest
 from repository import EXAMPLES
 
 from cardan.application import reader
-from cardan.approval.applied_adjustments import evaluate_adjustments
+from cardan.approval.applied_adjustments import response_with_adjustments
 from cardan.approval.approval import Approval, approve_driveline
 from cardan.approval.driveline_study import evaluate_limits
 from cardan.checks import worst_points
@@ -28,7 +28,7 @@ def test_effect_of_a_move_in_the_batch_equals_the_move_alone(truck):
             moves.setdefault(move, []).append((one, value))
     assert len(moves) > 4
     for move, each in moves.items():
-        alone = evaluate_adjustments(response, (move.adjustable,), np.array([move.amount]))
+        alone = response_with_adjustments(response, (move.adjustable,), np.array([move.amount]))
         for one, value in each:
             assert value == pytest.approx(worst_value(alone, one), rel=1e-10)
 
@@ -52,7 +52,7 @@ def test_half_moves_that_fail_cheaper_limits_are_not_searched_on_rubber(truck, m
     Halves of this truck spoil angles, or the spline's compression.
     """
     searched, batches = [], []
-    search, evaluate = worst_points.worst_bearing_forces, sensitivity.evaluate_adjustments
+    search, evaluate = worst_points.worst_bearing_forces, sensitivity.response_with_adjustments
 
     def counted_search(mounts, *given):
         searched.append(mounts)
@@ -63,7 +63,7 @@ def test_half_moves_that_fail_cheaper_limits_are_not_searched_on_rubber(truck, m
         return evaluate(response, movable, amounts)
 
     monkeypatch.setattr(worst_points, "worst_bearing_forces", counted_search)
-    monkeypatch.setattr(sensitivity, "evaluate_adjustments", counted_batch)
+    monkeypatch.setattr(sensitivity, "response_with_adjustments", counted_batch)
     check_sensitivities(truck)
     assert len(searched) == 2
     in_all_states = [count for states, count in batches if states == 7]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from repository import ROOT
 
 from cardan.application import overrides, reader
-from cardan.approval.applied_adjustments import evaluate_adjustments
+from cardan.approval.applied_adjustments import response_with_adjustments
 from cardan.approval.approval import approve_driveline
 from cardan.approval.driveline_study import line_checks
 from cardan.checks.line_response import compute_line_response
@@ -118,7 +118,7 @@ def test_adjustments_vary_together_with_file_values():
             changed, line_state_demand(resolve_line_references(changed, changed.lines[0]))
         )
         amounts = np.array([values[n][k] * worth for n, (_, _, worth) in moved.items()])
-        checks = tuple(line_checks(evaluate_adjustments(response, parts, amounts)))
+        checks = tuple(line_checks(response_with_adjustments(response, parts, amounts)))
         agrees(found, k, checks, worst_verdict(c.grade for c in checks))
 
 
