@@ -578,7 +578,7 @@ def test_bracket_page_and_picture_show_its_verdict(tmp_path, monkeypatch):
         presentation_picture, "write_picture",
         lambda *a, **k: over.append(k["over"]) or drawn(*a, **k),
     )  # fmt: skip
-    args = ["bracket", str(tmp_path / "a.yaml"), "-q", "--html", str(page)]
+    args = ["bracket", str(tmp_path / "a.yaml"), "-q", "--all", "--html", str(page)]
     done = CliRunner().invoke(cli, [*args, "--png", str(tmp_path / "a.png")])
     assert done.exit_code == 1
     said = " ".join(done.stdout.split())
