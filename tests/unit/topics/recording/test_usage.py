@@ -59,6 +59,18 @@ def rough():
     return 10 * MPa * loud * rng.normal(size=t.size)
 
 
+def test_level_of_a_few_seconds_is_their_own():
+    """Of twenty seconds, fewer than the half minute to either side: the level that rises is
+    followed, so of each second the larger of its two peaks is found, be it up or down. SciPy before
+    1.16.1 left the level unwritten."""
+    t = np.arange(int(20 * RATE)) / RATE
+    x = 10 * MPa * np.floor(t)
+    x[t % 1 == 0.25] += np.where(np.arange(20) < 10, 1.0, 2.0) * MPa
+    x[t % 1 == 0.75] -= np.where(np.arange(20) < 10, 2.0, 1.0) * MPa
+    found = told(x).time_of_max_deviation
+    assert found == pytest.approx(np.arange(20) + np.where(np.arange(20) < 10, 0.75, 0.25))
+
+
 def test_shortened_test_does_target_damage():
     """A load that comes and goes by ramps of 8 s: a cycle closes in one second and began in another
     that was cut away, and what was left did 0.17 of the damage that 0.95 had been told of. Counted
