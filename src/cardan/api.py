@@ -330,7 +330,7 @@ class Sizing(sizings.SizingResult):
 
 
 class Sweep(VariantStudyResult):
-    """What variants come to: `yield_`, `interval()`, `shares`, and what else was asked.
+    """What variants come to: `yield_`, `interval()`, `shares`, and what else was requested.
 
     Where each variant was kept also `verdicts`, `margins`, `varied`, and each limit's `held`.
     """
@@ -413,7 +413,7 @@ class RecordingResult(StudyResult[Any]):
     """What a recording tells: the lives at its gauges and, where a speed is known, the causes.
 
     `answer` holds the recording, its `lives` and its `causes`; `verdict` is None where
-    nothing was asked of them.
+    nothing was requested of them.
     """
 
     @property
@@ -488,7 +488,7 @@ class RecordingCampaignResult(RecordingResult):
         return _frame({name: [row[name] for row in rows] for name in rows[0]})
 
 
-# --------------------------------------------------------------------------- what is asked
+# --------------------------------------------------------------------------- requests
 
 
 def check(

@@ -57,14 +57,14 @@ class Approval:
 
     @property
     def coverage(self) -> CheckCoverage:
-        """What was asked, and what got an answer."""
+        """What was requested, and what got an answer."""
         return coverage_of(*self.study_results)
 
     @property
     def verdict(self) -> Verdict:
         """The worst of all checks, incomplete where nothing fails but an answer is missing.
 
-        An application that nothing was asked of is incomplete too, and one of which a study was
+        An application that nothing is requested of is incomplete too, and one of which a study was
         asked that could not answer.
         """
         refused = any(f.run_failed for f in self.study_results)
@@ -170,7 +170,7 @@ def approve_application(
     Raises
     ------
     DesignError
-        If the driveline cannot exist in a state, or a study that is asked alone refuses.
+        If the driveline cannot exist in a state, or a study that is run alone refuses.
         One that refuses beside others leaves its limits unanswered, with the reason.
     """
     chosen = default_studies(application) if studies is None else studies
@@ -207,7 +207,7 @@ def approve_driveline(application: Application) -> Approval:
 
 
 def with_default_limits(application: Application, study: str) -> Application:
-    """Return an application for a study that is asked of it.
+    """Return an application for a study that is run on it.
 
     Where the application's limits say nothing of the study, those of the profile that counts
     where none is named are held against it: an answer that nothing asks about would pass.

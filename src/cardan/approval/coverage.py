@@ -36,7 +36,7 @@ class CheckCoverage:
 
 
 def coverage_of(*findings: StudyResult[Any]) -> CheckCoverage:
-    """Return what studies were asked, and what got an answer."""
+    """Return what studies were run, and what got an answer."""
     return CheckCoverage(
         evaluated=sum(len(f.checks) for f in findings),
         unevaluated=tuple(u for f in findings for u in f.unevaluated),
@@ -46,7 +46,7 @@ def coverage_of(*findings: StudyResult[Any]) -> CheckCoverage:
 def verdict_of(checks: Sequence[Check], *, missed: bool) -> Verdict:
     """Return what checks come to; `missed` where a required limit got no answer.
 
-    Where nothing was asked nothing is approved either.
+    Where nothing was requested nothing is approved either.
     """
     found: list[Verdict] = [c.grade for c in checks]
     return worst_verdict([*found, "incomplete"] if missed or not found else found)

@@ -180,7 +180,7 @@ def _rigid_bearings(responses: Iterable[LineResponse]) -> Iterator[TranslatableM
 
 
 def _assumed_losses(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage]:
-    """Yield, line by line, what rests on a loss factor that nobody gave.
+    """Yield, line by line, what rests on a loss factor that is not given.
 
     It is the largest dynamic force on a bearing, and what other factors make of it there.
     """
@@ -196,7 +196,7 @@ def _assumed_losses(responses: Iterable[LineResponse]) -> Iterator[TranslatableM
         ):
             continue
         force = QUANTITIES["centre_bearing_dynamic"].values(r)
-        if np.isnan(force).all():  # of a line whose speed nobody knows, or that swings
+        if np.isnan(force).all():  # of a line of unknown speed, or that swings
             continue
         s, k = np.unravel_index(int(np.nanargmax(force)), force.shape)
         more, less = (
@@ -317,7 +317,7 @@ def _travels(responses: Iterable[LineResponse]) -> Iterator[tuple[LineResponse, 
             or r.layout.points.ndim > 3
         ):
             continue
-        # Of a line whose speed nobody knows, or that swings, no force has an answer.
+        # Of a line of unknown speed, or that swings, no force has an answer.
         known = np.isfinite(QUANTITIES["centre_bearing_travel"].values(r)).any(-1, keepdims=True)
         if known.any():
             yield r, np.where(known, r.mount_loads.worst_bearing_travel.results.peak, np.nan)

@@ -44,7 +44,7 @@ class StudyResult(Generic[Answer]):
     doubts
         Why there is no answer, in the words of what refused.
     asked
-        Whether the study was asked at all.
+        Whether the study was run at all.
     refused
         Whether it was, and ended without an answer: nothing it is about is approved.
     """

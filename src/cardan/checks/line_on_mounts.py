@@ -184,7 +184,7 @@ def mounted_line_of(
     """Return how a line can move on its rubber in each state; None where it cannot, or who knows.
 
     It needs a length and a tube of each shaft for its mass, and a stiffness of one bearing. A
-    loss factor that nobody gives is `assumed` (...). Its joints may be `cut` for what they carry.
+    loss factor that is not given is `assumed` (...). Its joints may be `cut` for what they carry.
     """
     bearings = [s.centre_bearing for s in inputs.line.shafts if s.centre_bearing]
     told = {

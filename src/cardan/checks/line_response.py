@@ -119,7 +119,7 @@ class LineResponse:
 
     @cached_property
     def operating_envelope(self) -> "OperatingEnvelope | None":
-        """The line at the corners of its torque over speed; None where nobody knows them."""
+        """The line at the corners of its torque over speed; None where they are unknown."""
         found = envelope_points(self.demand, self.mounts.demand_torque_curves)
         if found is None:
             return None
@@ -134,7 +134,7 @@ class LineResponse:
 
     @cached_property
     def axle_to_frame(self) -> FloatArray:
-        """From the axle's centre up to the frame, (...) m; nan where nobody gives it."""
+        """From the axle's centre up to the frame, (...) m; nan where it is not given."""
         suspension = self.demand.static_state.line.suspension
         given = suspension.axle_to_frame if suspension else None
         return (np.nan if given is None else given) - self.demand.travel

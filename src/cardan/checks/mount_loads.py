@@ -84,7 +84,7 @@ class MountLoads:
         return search.worst_growth_rate(self.mounts)
 
     def all_points(self) -> OperatingPointResults | None:
-        """Return all points (P, ..., S) that bearings were asked at for the worst; None if none."""
+        """Return all points (P, ..., S) evaluated for the worst on bearings; None if none."""
         return search.all_bearing_operating_points(
             self.mounts, self.candidate_points, self.refined_forces, self.worst_bearing_forces
         )
@@ -123,7 +123,7 @@ class MountLoads:
 
     @cached_property
     def _own_stop_margins(self) -> dict[str, FloatArray]:
-        """Those that were asked, by kind: every limit on forces asks."""
+        """Those that were evaluated, by kind: every limit on forces asks."""
         return {}
 
     def _computed_stop_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
@@ -190,7 +190,7 @@ class MountLoads:
 
     @cached_property
     def mount_stop_travel(self) -> FloatArray:
-        """How far the rubber of each centre bearing goes, (..., n-2) m; nan where nobody says."""
+        """How far the rubber of each centre bearing goes, (..., n-2) m; nan where unknown."""
         told = (b.travel for b in self.mounts.inputs.line.centre_bearings)
         return stack_on_last_axis(np.nan if t is None else t for t in told)
 

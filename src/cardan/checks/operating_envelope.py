@@ -1,6 +1,6 @@
 """Points on a line's curves of torque over speed, and the envelope of its operation.
 
-Each state is asked along its curves of torque over speed, in every gear and direction: where
+Each state is evaluated along its curves of torque over speed, in every gear and direction: where
 a curve starts, bends and ends. What follows torque, speed and angles alone is worst there.
 """
 

@@ -28,7 +28,7 @@ class RigidLineLoads:
 
     @cached_property
     def joint_loads(self) -> JointLoads:
-        """Forces round the turn at the state's torque, with weight where it is asked for."""
+        """Forces round the turn at the state's torque, with weight where it is requested."""
         return joint_loads(
             self.inputs.layout,
             self.inputs.twisted_chain_rotation,
@@ -88,7 +88,7 @@ class RigidLineLoads:
     def small_angle_bearing_forces(self) -> tuple[FloatArray, FloatArray]:
         """Static (..., n-2, 3) N and dynamic (..., n-2) N force by the small-angle formula.
 
-        Weight, where it is asked for, is added as it is: it knows no small angles.
+        Weight, where it is requested, is added as it is: it knows no small angles.
         """
         with np.errstate() if self.inputs.line.has_lengths else np.errstate(invalid="ignore"):
             cycle = small_angle_bearing_forces(

@@ -330,7 +330,7 @@ class _PlacesBetween:
     exist : (..., S)
         Whether there are places between, of both states of free springs.
     slip, following_slip : (..., S) N m
-        What the tyres hold at both ends; inf where nobody knows.
+        What the tyres hold at both ends; inf where unknown.
     curvature : shift (..., 1, 3), pitch (..., 1)
         Half the second derivative of an axle's motion by its rise, 1/m, rad/m^2.
     """

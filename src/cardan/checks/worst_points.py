@@ -1,6 +1,6 @@
 """Where a line is worst on its rubber: a search over its operating points.
 
-Bearings on rubber are asked where an order crosses a mode of the line, and around the worst
+Bearings on rubber are evaluated where an order crosses a mode of the line, and around the worst
 of these the speed is sought more closely.
 """
 
@@ -91,7 +91,7 @@ def all_bearing_operating_points(
     screened: OperatingPointResults | None,
     worst: Mapping[str, OperatingPointResults],
 ) -> OperatingPointResults | None:
-    """Return all points (P, ..., S) that bearings were asked at for the worst; None without one.
+    """Return all points (P, ..., S) evaluated for the worst on bearings; None without one.
 
     What is best for one load may be worst with another on top of it.
     """

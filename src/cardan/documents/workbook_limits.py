@@ -517,7 +517,7 @@ def write_verdict(
     cached = shown(worst_verdict(found) if found else "incomplete")
     formula = f'"{say("incomplete")}"'
     if places:
-        # Where nothing was asked nothing is approved either.
+        # Where nothing was requested nothing is approved either.
         formula = f'IF({any_is("pass")},"{shown("pass")}",{formula})'
         for grade in VERDICTS[1:-1]:
             formula = f'IF({any_is(grade)},"{shown(grade)}",{formula})'

@@ -243,7 +243,7 @@ class InstalledLine:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GearboxAndAxleRotors:
-    """What turns with the lines at both ends, and damps them; None where nobody knows.
+    """What turns with the lines at both ends, and damps them; None where unknown.
 
     Attributes
     ----------

@@ -98,7 +98,7 @@ class Gearbox:
     transfer_ratio: float = 1.0
     """Low range of a transfer case; 1 without one."""
     reverse_ratio: float | None = None
-    """Engine speed over output speed in reverse; None where nobody says, or nothing reverses."""
+    """Engine speed over output speed in reverse; None where unknown, or nothing reverses."""
     retarder_torque: NewtonMetre | None = None
     """Torque of a retarder at the gearbox output, for coast; None where not known."""
     rotors: GearboxRotors = field(default_factory=GearboxRotors)

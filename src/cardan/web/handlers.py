@@ -199,7 +199,7 @@ def _edits(read: ParsedDocument, question: Json) -> FileChanges:
     return edits
 
 
-# --------------------------------------------------------------------------- what is asked
+# --------------------------------------------------------------------------- requests
 
 
 def _live_result(

@@ -111,7 +111,7 @@ class Session:
         self._file_stamp: FileChangeStamp = (0, 0, 0)
         self._delayed_verdict: asyncio.Task[None] | None = None
         self._campaign_lives: dict[tuple[str, str], Json] = {}
-        """Lives of campaigns that were asked, by text and language: to be held side by side."""
+        """Lives of campaigns that were evaluated, by text and language: to be held side by side."""
         self._referenced_stamps: dict[Path, FileChangeStamp] = {}
         """Files that the text on the page names, as they were when it was answered."""
 

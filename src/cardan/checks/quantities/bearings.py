@@ -106,7 +106,7 @@ def _placed(end: str) -> Requirement:
 
 
 def _of_joints(r: LineResponse) -> FloatArray:
-    """Return what shakes each joint on rubber, (..., S, n) N; nan where nobody knows.
+    """Return what shakes each joint on rubber, (..., S, n) N; nan where unknown.
 
     On rigid bearings that is what statics tells at the state's own torque.
     """
@@ -117,7 +117,7 @@ def _of_joints(r: LineResponse) -> FloatArray:
 
 
 def _growth(r: LineResponse) -> FloatArray:
-    """Return how a line's swinging goes on at worst, (..., S) 1/s; nan where nobody knows."""
+    """Return how a line's swinging goes on at worst, (..., S) 1/s; nan where unknown."""
     worst = r.mount_loads.worst_growth_rate
     shape = r.joint_angles.shape[:-1]
     return np.full(shape, np.nan) if worst is None else worst.results.growth[..., 0]
@@ -138,7 +138,7 @@ def _bearings(which: Callable[[LineResponse], list[int]]) -> PartSelector:
 
 
 def _travel(r: LineResponse) -> FloatArray:
-    """Return how far each bearing goes across its rubber, (..., S, n-2) m; nan if nobody knows."""
+    """Return how far each bearing goes across its rubber, (..., S, n-2) m; nan if unknown."""
     worst = r.mount_loads.worst_bearing_travel
     shape = *r.joint_angles.shape[:-1], r.line.joint_count - 2
     return np.full(shape, np.nan) if worst is None else worst.results.peak

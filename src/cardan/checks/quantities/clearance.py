@@ -56,7 +56,7 @@ def _hung_pairs(r: LineResponse) -> tuple[Part, ...]:
 
 
 def _on_rubber(r: LineResponse) -> FloatArray:
-    """Return what rubber leaves of the clearances, (..., S, parts) m; nan if nobody knows."""
+    """Return what rubber leaves of the clearances, (..., S, parts) m; nan if unknown."""
     worst, parts = r.mount_loads.worst_obstacle_clearance, len(_hung_pairs(r))
     none = np.full((*r.joint_angles.shape[:-1], parts), np.nan)
     return none if worst is None else -worst.results.reach

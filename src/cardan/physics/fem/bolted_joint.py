@@ -92,7 +92,7 @@ class BoltedFlange:
     rigid : (q, 6)
         Work of each force on the six rigid motions.
     stress : (q, places, 6) Pa
-        At the places that were asked for; in single precision, for there are many.
+        At the places requested; in single precision, for there are many.
     upright : int
         Axis square to the plane.
     area : (patches,) m2

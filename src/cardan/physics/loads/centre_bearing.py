@@ -201,7 +201,7 @@ class ShaftEndDisplacements:
     mean
         Of torque alone, from where the line hangs.
     thrust : (2, ..., n-1, 2, 3)
-        What thrust in the sliding fit adds, pushed in and drawn out; None where nobody knows.
+        What thrust in the sliding fit adds, pushed in and drawn out; None where unknown.
     waves : (..., K, n-1, 2, 3)
         Complex amplitudes of orders 2, 4 and 6, and of each heavy spot of the unbalance.
     """

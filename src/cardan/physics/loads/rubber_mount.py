@@ -51,7 +51,7 @@ from cardan.physics.kinematics.joint_chain import ChainRotation, cross_product
 from cardan.physics.loads.frequency_response import DynamicStiffness
 
 DEFAULT_LOSS_FACTOR = 0.1
-"""Loss factor of rubber that nobody gives, assumed: mounts have 0.08 to 0.2."""
+"""Loss factor of rubber that is not given, assumed: mounts have 0.08 to 0.2."""
 
 DEFAULT_STOP_TRAVEL_M = 0.015
 """m across the shaft to the stop of rubber where no file gives it: usual, assumed."""

@@ -177,7 +177,7 @@ class BearingForceScreeningModel:
     weight : (B, ...) N
         On the bearings.
     thrust
-        What thrust in the sliding fit does; None where nobody knows.
+        What thrust in the sliding fit does; None where unknown.
     rows : (B, N, ...)
         Motion in the bearings' directions.
     springs, loss : (B, ...) N/m, 1
@@ -224,7 +224,7 @@ class BearingForceScreeningModel:
         torque, speed, on_axle, travel : (P, ..., S) N m, rad/s, N m, m
             Where a torque is nan there is no point, and no force.
         slip : (P, ..., S) N
-            Thrust at which the sliding fit slips; nan where nobody knows, and none counts.
+            Thrust at which the sliding fit slips; nan where unknown, and none counts.
         gives
             Return how far rubber gives across the shafts, in m for N, weight apart.
         """

@@ -63,7 +63,7 @@ class TorqueCurves:
         Above 0 in drive, below in coast, braking and reverse; straight between corners, its
         size never rising. What the tyres hold is not in it.
     most : (C, ..., S) N m
-        Size of torque that the tyres hold there; inf where nobody knows, or it is no matter.
+        Size of torque that the tyres hold there; inf where unknown, or it is no matter.
     fastest : (C, ..., S) rad/s
         Where the curve ends in a state; nan where that state has no such points.
     """
@@ -263,7 +263,7 @@ def axle_motion_at_points(asked: LineStateDemand, at: LineOperatingPoints) -> Ax
 
 
 def housing_torque_at_points(asked: LineStateDemand, at: LineOperatingPoints) -> FloatArray:
-    """Return the torque on the axle's housing there, (P, ..., S) N m; 0 where nobody knows it."""
+    """Return the torque on the axle's housing there, (P, ..., S) N m; 0 where it is unknown."""
     brakes, coasts = at.is_mode("brake"), at.is_mode("coast")
     return np.nan_to_num(axle_housing_torque(asked, at.torque, coasts=coasts, brakes=brakes))
 

@@ -283,7 +283,7 @@ def axle_housing_torque(
     coasts: ArrayLike = False,
     brakes: ArrayLike = False,
 ) -> FloatArray:
-    """Return the torque on the axle's housing, (P, ..., S) N m; nan where nobody knows it."""
+    """Return the torque on the axle's housing, (P, ..., S) N m; nan where not known."""
     of = asked.static_state
     return housing_torque(of.line, torque, braked=of.loads.braked, coasts=coasts, brakes=brakes)
 

@@ -51,14 +51,14 @@ class LineBeforeAxleWindup:
     ride : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
         Where the springs have the axle.
     stands : (..., S) m
-        Deflection of its springs; nan where nobody knows it.
+        Deflection of its springs; nan where not known.
     yields : (S,)
         Where torque winds it up: the suspension places it, and nobody gives its pitch.
     squats : (S,)
         Where what the tyres pull moves it on its springs: these carry its load.
     slip, slip_back, slip_reverse : (..., S) N m
         Torques at which the wheels slip as the line drives them, holds them back, and drives
-        them in reverse; nan where nobody knows.
+        them in reverse; nan where unknown.
     """
 
     line: LineWithResolvedReferences
@@ -193,7 +193,7 @@ def stands_in_state(
 ) -> FloatArray:
     """Deflection of the axle's springs that has risen to (..., S) m, whatever its load.
 
-    nan where nobody knows it in the reference state, by the load there, N.
+    nan where not known in the reference state, by the load there, N.
     """
     suspension = line.suspension
     if suspension is None or (

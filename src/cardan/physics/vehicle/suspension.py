@@ -240,7 +240,7 @@ def squat_travel(
     ahead
         -1 of a pinion that faces rearward: its nose sinks where others rise.
     stands : (...) m
-        Deflection of its springs there, which need not be what its load says; nan if nobody knows.
+        Deflection of its springs there, which need not be what its load says; nan if unknown.
 
     Notes
     -----

@@ -163,7 +163,7 @@ def retarding_torques(engine: Engine, gearbox: Gearbox = DIRECT_DRIVE) -> FloatA
     (..., G) N m, gears as `gears` has them.
 
     T = Tb i / η + Tr: what gears lose helps to brake; a low range behind the retarder
-    multiplies that too. What nobody knows holds nothing; nan where nobody knows either.
+    multiplies that too. What nobody knows holds nothing; nan where unknown either.
     Derived from Souza (2014), eq. 1.
     """
     brake, retarder = engine.brake_torque, gearbox.retarder_torque

@@ -146,7 +146,7 @@ class BracketShapeAssessor:
 
     @property
     def top_speed(self) -> RadianPerSecond:
-        """The line's highest speed, in a state or not; nan where nobody knows."""
+        """The line's highest speed, in a state or not; nan where unknown."""
         fastest = float(np.max(self.response.inputs.balancing_speed))
         return fastest if np.isfinite(fastest) else np.nan
 
@@ -321,7 +321,7 @@ def _values(of: BracketResult, variant: ShapeAssessment, quantity: str) -> Itera
 
 
 def yield_strength_at_feature(material: Material, at: FatigueFeature) -> float:
-    """Return at what stress, Pa, a material yields at a feature; nan where nobody knows."""
+    """Return at what stress, Pa, a material yields at a feature; nan where unknown."""
     strength = material.yield_strength_at_weld if at.beside_weld else material.yield_strength
     return strength or np.nan
 

@@ -142,7 +142,7 @@ def _less(stiffness: tuple[float, float], seat: BracketCompliance) -> tuple[floa
 
 
 def bearing_force_sweep(response: LineResponse, bearing: int) -> BearingForceSweep | None:
-    """Return what a bearing hands to its bracket over speed; None where nobody knows.
+    """Return what a bearing hands to its bracket over speed; None where unknown.
 
     In the state, and up to the speeds, that shake it; `response` has the bracket's seat.
     """

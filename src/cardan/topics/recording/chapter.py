@@ -59,7 +59,7 @@ _Cut: TypeAlias = tuple[str, FloatArray, ComplexArray, ComplexArray]
 def study_chapters(
     found: StudyResult[CampaignAssessment], say: Translator, *, short: bool = False
 ) -> Iterator[Chapter]:
-    """Yield the chapters of recordings that were asked with an application."""
+    """Yield the chapters of recordings that were evaluated with an application."""
     assert found.answer is not None  # of a study that answered
     yield from campaign_chapters(found.answer, say, short=short)
 

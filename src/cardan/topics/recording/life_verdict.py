@@ -50,7 +50,7 @@ def _needed_fault_decision(kind: str) -> str:
 def assessment_verdict(
     found: StudyResult[RecordingAssessment] | StudyResult[CampaignAssessment],
 ) -> Verdict | None:
-    """Return what the gauges come to; None where nothing was asked of them.
+    """Return what the gauges come to; None where nothing was requested of them.
 
     Where a life is vetoed, or no gauge says anything, the recording was asked and has no answer,
     limit or not.

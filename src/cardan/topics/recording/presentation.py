@@ -90,7 +90,7 @@ def campaign_terminal_lines(
 
 
 def study_text_lines(found: StudyResult[CampaignAssessment], say: Translator) -> Iterator[str]:
-    """Yield recordings that were asked with an application, as lines of text."""
+    """Yield recordings that were evaluated with an application, as lines of text."""
     assert found.answer is not None  # of a study that answered
     yield from campaign_text_lines(found.answer, say)
 
@@ -235,7 +235,7 @@ def _long(value: float, say: Translator) -> str:
 def terminal_lines(
     found: StudyResult[RecordingAssessment], say: Translator = ENGLISH
 ) -> Iterator[str]:
-    """Yield the verdict, the limits that were asked, and the report as lines of text."""
+    """Yield the verdict, the limits that were evaluated, and the report as lines of text."""
     of = recording_answer(found)
     yield from _verdict(found, of.recording.name, of.profile, say)
     yield ""

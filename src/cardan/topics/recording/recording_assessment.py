@@ -83,7 +83,7 @@ class RecordingAssessment:
     profile
         The limits' name; "" where no profile was asked.
     angle
-        How far the shaft has turned, as the stress has it; None where nobody knows.
+        How far the shaft has turned, as the stress has it; None where unknown.
     identification
         What the recording says of its application; None where it was not asked.
     pictures

@@ -335,7 +335,7 @@ def _within(runs: FloatArray, others: FloatArray) -> BoolArray:
 
 
 def _distance(campaign: AnalysisOptions, angle: ShaftAngle | None, seconds: float) -> float:
-    """Return what was driven in a recording that lasts so long, m; nan where nobody knows."""
+    """Return what was driven in a recording that lasts so long, m; nan where unknown."""
     ratio, radius = campaign.axle_ratio, campaign.tyre_radius_m
     if angle is None or ratio is None or radius is None or not _held(angle, seconds):
         return math.nan

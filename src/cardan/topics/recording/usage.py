@@ -116,7 +116,7 @@ def damage_by_usage(
     torque : (n,) N m and Hz
         As it was read.
     per_turn : m
-        Way of the vehicle for a turn of the shaft; nan where nobody knows.
+        Way of the vehicle for a turn of the shaft; nan where unknown.
     begins : s
         Where the recording does on the clock of its file, by which times are told.
     held

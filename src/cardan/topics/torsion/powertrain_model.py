@@ -43,7 +43,7 @@ RotationCombination: TypeAlias = Mapping[Any, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AssumedValue:
-    """A value that nobody gave: what it is of, and what stands in for it."""
+    """A value that is not given: what it is of, and what stands in for it."""
 
     line: str
     typical: TypicalValue
@@ -719,7 +719,7 @@ def in_series(stiffness: Any, disc: float | None) -> Any:
 
 
 def _yokes(shaft: Shaft, tube: float) -> tuple[float, float] | None:
-    """Inertia of a shaft's front and rear yoke, kg m²; None where nobody says."""
+    """Inertia of a shaft's front and rear yoke, kg m²; None where unknown."""
     if shaft.yoke_inertias is not None:
         return shaft.yoke_inertias
     together = shaft.yoke_inertia

@@ -216,7 +216,7 @@ def _largest(values: Any, say: Translator) -> str:
 
 
 def _assumed(of: VibrationResult, say: Translator) -> TableContent:
-    """Values that nobody gave: each with its range, and the modes that move with it."""
+    """Values that are not given: each with its range, and the modes that move with it."""
     moved = {s.assumption.quantity: s for s in of.shifts}
     rows: list[tuple[str, ...]] = []
     seen: set[str] = set()

@@ -146,7 +146,7 @@ class VibrationResult:
     Attributes
     ----------
     application, surroundings
-        What was asked, and what went before it; `given` names those of the latter.
+        What was requested, and what went before it; `given` names those of the latter.
     drivetrain
         The parts, and what was assumed of them.
     gears : the G ranges of speed

@@ -86,7 +86,7 @@ class RareFailureEstimate:
 
     @property
     def failure_probability(self) -> float:
-        """Share of variants that fail; nan where nobody knows."""
+        """Share of variants that fail; nan where unknown."""
         if self.sampled:
             return self.sampled.failure_probability
         best = self.second_order or self.first_order

@@ -51,7 +51,7 @@ class StudyProgress:
 
     @property
     def seconds_left(self) -> float:
-        """Seconds left; nan where nobody knows."""
+        """Seconds left; nan where unknown."""
         return (self.count - self.done) / self.rate if self.rate > 0 else float("nan")
 
 
@@ -173,7 +173,7 @@ class VariantStudyResult:
 
     @property
     def maps(self) -> tuple[tuple[YieldMap, StatisticState], ...]:
-        """The maps that were asked for, with their cells."""
+        """The maps that were evaluated for, with their cells."""
         found = requested_statistics(self.evaluator, self.variants.ask)
         return tuple((m, self.statistics[n]) for n, m in found.items() if isinstance(m, YieldMap))
 

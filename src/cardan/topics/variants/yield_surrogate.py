@@ -1,4 +1,4 @@
-r"""The yield of a million variants, from a few thousand that were asked.
+r"""The yield of a million variants, from a few thousand that were evaluated.
 
 How far a truck stays off a limit is smooth in what scatters, so a parabola through the variants
 asked foretells others at a thousandth of the cost. It is wrong of some, and nobody has to trust it:
@@ -81,7 +81,7 @@ def predict_yield(
     taught
         Those asked (`cardan.topics.variants.statistics.SurrogateTraining`).
     start
-        The place of the first of those foretold, behind all that were asked.
+        The place of the first of those foretold, behind all that were evaluated.
     asked
         How many of those asked may be built, and of how many; where their own interval is no
         wider, it is told instead.
@@ -147,7 +147,7 @@ def predict_yield(
 
 @dataclass(frozen=True, kw_only=True)
 class _TrainingSet:
-    """Variants that were asked: inputs (V, inputs) and margins to failure (V, limits).
+    """Variants that were evaluated: inputs (V, inputs) and margins to failure (V, limits).
 
     Of limits that may decide alone; inputs by their mean and spread, those that vary.
     """
