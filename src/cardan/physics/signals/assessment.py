@@ -1,7 +1,7 @@
 """From a recording to life and cause: looks, counts and takes apart, in that order.
 
 Two passes over the recording, one to see what is wrong with it and one to count; a third
-where the causes are asked for. Memory holds a few pieces, whatever the length.
+if causes are requested. Memory holds a few pieces, whatever the length.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -87,7 +87,7 @@ HIDING_FAULTS = (FAULT_MISSING_SAMPLES, FAULT_FREEZE, FAULT_RESPONSE)
 """Kinds of fault while which the stress is unknown."""
 
 ProgressCallback = Callable[[str, float], None]
-"""Told the name of the pass and the seconds of recording done."""
+"""Receives the name of the pass and the seconds of recording done."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,7 +113,7 @@ class AssessmentSettings:
     gauge_error
         Relative standard deviation of the stress scale.
     failure_shares
-        Shares of parts for which life is asked.
+        Shares of parts for which the life is computed.
     segment_samples : samples
         Of the spectra.
     fault_rules
@@ -121,7 +121,7 @@ class AssessmentSettings:
     interpolate_crests
         Whether crests are looked for between samples; None where they lose more than `SHORT`.
     ultimate : Pa
-        Tensile strength, that no crest may pass; infinite where nobody said it.
+        Tensile strength, which no crest may exceed; infinite if not given.
     max_known_frequency : Hz
         What is known to move in the recording.
     """
@@ -234,7 +234,7 @@ class _DamageCounter:
 
 
 class _HighFrequencyPower:
-    """How much of a stress is too fast to be told where it is loudest, as pieces pass.
+    """How much of a stress is too fast for its frequency content to be known, block by block.
 
     A contact that chatters for some tenths of a second is white, and nothing of all the power; but
     it is all of the damage. So stretches count as damage does, by a power of how far they reach.
@@ -359,7 +359,7 @@ _ROSETTE_MEASURES: dict[str, Callable[[PlaneStress], FloatArray]] = {
     "principal": abs_max_principal,
     **{f"@{a}": partial(PlaneStress.normal, angle=np.radians(a)) for a in _PLANE_ANGLES_DEG},
 }
-"""Measures of a rosette that are held beside each other where it is sheared."""
+"""Gauges of a rosette that are compared with each other where it is sheared."""
 
 
 class _ShearStatistic:
@@ -494,7 +494,7 @@ def assess_gauges(
     distance : m
         Driven in the recording, if known.
     progress
-        Told how far it is.
+        Receives the progress.
 
     Raises
     ------
@@ -703,7 +703,7 @@ class _GaugeCounter:
         )
         swing = np.array([[h.typical_swing] for h in told])
         typical = max(float(np.abs(self.gauge.stress(x))[0]) for x in (level, swing))
-        # A spike that is there may be of nobody's stress, whoever accepts it.
+        # An accepted spike may still be no stress of the part.
         jumps = any(
             kind in (FAULT_SENTINEL, FAULT_SPIKE, FAULT_DROPOUT)
             and d.intervals.count > len(d.masked)

@@ -18,7 +18,7 @@ NOT_DOMINANT_MAX_SHARE = 0.25
 DOMINANT_MIN_SHARE = 0.35
 """Least share from which joints dominate, if their most likely share is half or more."""
 MIN_NOTED_UNKNOWN_SPEED_DAMAGE_SHARE = 0.05
-"""Share of the damage, done at a speed that nobody knows, from which that is said."""
+"""Share of the damage, done at unknown speed, from which a doubt is reported."""
 
 DOUBT_NO_RELIABLE_SHAFT_ANGLE = Finding("no-reliable-angle")
 DOUBT_NO_TORQUE = Finding("no-torque")
@@ -65,10 +65,11 @@ VALIDATED_ERROR_RATES = {
     JOINTS_DOMINANT: (ErrorRate(0, 683), ErrorRate(0, 953)),
     JOINTS_NOT_DOMINANT: (ErrorRate(0, 489), ErrorRate(13, 804)),
 }
-"""Of innocent gauges that were called guilty, and guilty ones that were called innocent: on drives
+"""Rate of gauges without joint damage called joint-dominated, and the reverse: on drives
 as they come, and on drives whose line was made to stand on its stop. Seeds 650000, 670000,
 710000 and 741000 on; 662000, 672000, 712000, 740000 and 746000 on.
-Innocent: a truth below 0.25; guilty: from 0.5. `tests/verify/tried.py` counts them anew."""
+Not dominated: a true share below 0.25; dominated: from 0.5. `tests/verify/tried.py` counts them
+anew."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,12 +104,12 @@ class JointAttribution:
     doubts: tuple[Finding, ...] = ()
 
     def undetermined(self, doubt: Finding) -> "JointAttribution":
-        """Return evidence that tells nothing, for a doubt."""
+        """Return evidence that determines nothing, with a doubt."""
         low = min(self.interval[0], 0.0)
         return replace(self, interval=(low, 1.0), doubts=(doubt, *self.doubts))
 
     def with_unknown_speed_share(self, share: float) -> "JointAttribution":
-        """Return it where a share of the damage was done at a speed that nobody knows."""
+        """Return the evidence with a doubt if a share of the damage was done at unknown speed."""
         if not share > 0:
             return self
         low, high = self.interval

@@ -55,7 +55,7 @@ from cardan.physics.signals.synchronous_fit import MIN_DETECTION_F_STATISTIC
 
 @dataclass(frozen=True, kw_only=True)
 class DamageCausesByGauge:
-    """Who did the damage at each gauge, and what it rests on.
+    """Causes of the damage at each gauge, and what it rests on.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class DamageCausesByGauge:
     comparisons
         Measured order 2 against the predicted, one a gauge, if a prediction was given.
     doubts
-        What cannot be told apart in this recording.
+        What cannot be distinguished in this recording.
     """
 
     gauges: tuple[str, ...]
@@ -152,11 +152,11 @@ def attribute_damage(
     predicted : Pa per N m
         Order-2 stress expected at a gauge per shaft torque, by gauge name.
     engine_orders
-        The engine's own; if nobody says them, it may have four cylinders.
+        Orders of the engine; if not given, four cylinders are possible.
     progress
-        Told how far it is.
+        Receives the progress.
     """
-    # One by one: in the memory of one, and what stands beside a gauge changes nothing of it.
+    # One by one: in the memory of one gauge, and other gauges do not change its result.
     parts = [
         _attribute_damage_at_gauge(
             recording, plan=replace(plan, gauges=(gauge,)), healths=healths,
@@ -189,7 +189,7 @@ def attribute_damage(
 def _withhold_verdicts_of_wrong_speed(evidence: list[JointAttribution]) -> list[JointAttribution]:
     """Judge at no gauge of a recording at one of which its speed seems to be another's.
 
-    What is locked at another scale may be something else that turns: that only acquits nobody.
+    What is locked at another scale may be something else that turns: it only widens the interval.
     """
     doubts = {d for one in evidence for d in one.doubts}
     for doubt, withheld in (
@@ -291,11 +291,11 @@ MIN_TURNING_TIME_S = 2.0
 
 
 MAX_UNKNOWN_SPEED_TIME_SHARE = 1 / 3
-"""Share of the time under way without a speed, in which anybody may have done the damage."""
+"""Share of the time under way without a speed, in which any cause may have done the damage."""
 
 
 MIN_GEAR_RATIO = 0.6
-"""Turns of an engine to one of the shaft that no gear has fewer of; it may coast out of gear."""
+"""Fewest engine turns per shaft turn in any gear; the vehicle may roll out of gear."""
 
 
 def _speed_doubt(

@@ -260,7 +260,7 @@ class ChannelReport:
     def findings(self, *, rate: float, unit: str = "") -> list[Finding]:
         """Return what a user should know; empty if all is well.
 
-        `unit` is the channel's, "" where nobody says.
+        `unit` is the channel's, "" if not given.
         """
         if self.dead:
             return [FINDING_DEAD]
@@ -298,7 +298,7 @@ def _longest_run_samples(where: FaultIntervals) -> int:
 def row_medians(rows: FloatArray) -> FloatArray:
     """Return the median (k,) of each row (k, n), nan left out of account; nan where all is.
 
-    As NumPy's, which asks for both middle values at once and so takes eight times as long.
+    As NumPy's, which sorts out both middle values at once and so takes eight times as long.
     """
     if (missing := np.isnan(rows)).any():
         found = np.full(len(rows), np.nan)
@@ -318,7 +318,7 @@ MAX_SAMPLE_MAGNITUDE = 1e30
 
 
 INTERPOLATION_CHECK_SAMPLES = 4096
-"""Samples of a piece by which it is told whether lines were laid between others."""
+"""Samples of a piece by which interpolated samples are detected."""
 
 
 class _ChannelSurvey:
@@ -470,7 +470,7 @@ def survey_channel_signals(
         return []
     compared = comparison.result()
     del comparison
-    # Of a day's channel what was met is twenty megabytes: each is let go as it is told.
+    # Of a day's channel the findings are twenty megabytes: each is released once it is reported.
     return [found.pop(0).result(compared=of) for of in compared]
 
 

@@ -1,4 +1,4 @@
-"""What stands beside a shaft's order in a stress, and who else may turn as it does."""
+"""What else a stress holds near a shaft's order, and what else may turn as the shaft does."""
 
 from collections.abc import Sequence
 
@@ -22,23 +22,23 @@ MIN_IMPACT_TO_MEAN_ORDER_2_POWER_RATIO = 2.0
 MIN_IMPACTS = 4
 """From which they are more than chance."""
 MIN_CREST_TO_ORDER_2_POWER_CORRELATION = 0.5
-"""Correlation from which crests go with order 2: of innocent lines they had 0.31."""
+"""Correlation from which crests go with order 2: lines without joint damage had 0.31."""
 MIN_TORQUE_CORRELATION = 0.4
-"""Correlation from which crests go with the torque, or where nobody measured one with order 2: 13
-guilty lines on a stop that had been acquitted had 0.28 to 0.85, 3 % of 168 innocent ones had more.
+"""Correlation from which crests go with the torque, or without a measured one with order 2: 13
+lines on a stop with missed joint damage had 0.28 to 0.85, 3 % of 168 without it had more.
 """
 FOUR_CYLINDER_FIRING_ORDER = 2.0
 """Order of an engine that in direct gear turns as the joints do."""
 ROTATION_ORDER = 1.0
-"""Order that whatever turns has of itself, the crank's or a rotor's, whoever lists its orders."""
+"""First order, which every rotor or crankshaft excites, listed among its orders or not."""
 IDLE_SPEED_REV_PER_S = 8.0
 """Turns a second below which no engine turns with the shaft: 480 rpm, where it would stall."""
 DISENGAGED_TO_IDLE_SPEED_RATIO = 0.85
 """Of that, below which it has let go of the shaft, and takes hold of it elsewhere next time."""
 MIN_EFFECTIVE_CLUTCH_ENGAGEMENTS = 1.5
-"""Of equal weight above idle, that tell anything of what they have in common."""
+"""Of equal weight above idle, needed to estimate what they have in common."""
 MAX_CHANCE_PROBABILITY = 2e-3
-"""Odds at which an engine's spells may agree as far: of so many none may be convicted."""
+"""Chance at which an engine's spells may agree as far: below it they are no evidence."""
 MIN_ENGAGEMENT_PHASE_SCATTER_RAD = 0.03
 """Angle, rad, to which spells of a shaft's own agree, whose joints ride: nearer is chance."""
 MIN_ORDER_DISTANCE_HZ = 9.0
@@ -82,7 +82,7 @@ def torque_correlation(
 
     No road knows the torque. Where a line stands on its stop all the time nothing is locked to
     its angle and no blow stands out, but it knocks the harder the more the joints pull. nan where
-    that tells nothing.
+    that is undetermined.
     """
     n = max(round(0.5 * rate), 1)
     m = swings.size // n
@@ -110,7 +110,7 @@ def engine_order_overlap(
 ) -> BoolArray | None:
     """Return where an engine order may run with order 2 (n,); None where hardly any does.
 
-    An engine that nobody heard may do so above its idle speed, if it has four cylinders. One that
+    An unmeasured engine may do so above its idle speed, if it has four cylinders. One that
     turns twice as fast as the shaft does so by its own turning.
     """
     if engine is None:
@@ -128,7 +128,7 @@ def order_overlap(
     *,
     within: float,
 ) -> BoolArray:
-    """Return where an order of an engine that was heard runs within some Hz of order 2 (n,)."""
+    """Return where an order of a measured engine runs within some Hz of order 2 (n,)."""
     fe = engine.speed(time)
     f2 = 2 * scene.speed
     # Its channel lags: while the speed changes, what runs as one looks some per cent apart.
@@ -161,7 +161,7 @@ def order_share_not_from_engine(
 
     Where it does it is locked to the shaft as the joints are; but whenever it has let go it
     takes hold of it at another angle. So what all spells have in common is the shaft's own, as
-    far as they tell: those within one stretch (n,) of the angle, for each stretch has been turned
+    far as they show: those within one stretch (n,) of the angle, for each stretch has been turned
     until it fits the others, and where that is more than chance makes of angles, at the speed as
     `given` (n,) turns or at the best of all its ratios, that of the wave's turns (n,).
     """
@@ -238,7 +238,7 @@ def near_order(
 ) -> FloatArray:
     """Return all (n,) that a span of some seconds holds near order 2: within 0.5/span Hz.
 
-    Of it, or of what is so many Hz `beside` it.
+    Of the order, or of the band so many Hz `beside` it.
     """
     order = unit_phasor_of_turns(2 * scene.turns + beside / rate * np.arange(x.size))
     half = max(round(span / 2 * rate), 1)
@@ -252,11 +252,11 @@ def intermittent_energy_share(
 
     A road shakes a mode wherever the order is: what half-second periods show at a frequency is
     then how loud the road is, by how the bracket answers there. Both are taken from where the
-    order is `MIN_ORDER_DISTANCE_HZ` off, and periods in which nobody heard how loud the road was
-    are left out; nan where that tells nothing, at steady speed.
+    order is `MIN_ORDER_DISTANCE_HZ` off, and periods in which the level of the road is unknown
+    are left out; nan if that is undetermined, at steady speed.
 
     To accuse, `where` (n,) it counts, only what rolls is compared with what rolls: a vehicle that
-    stands hears an engine idle and no road, and beside that every road came with the shaft.
+    stands has an idling engine and no road, and next to that every road came with the shaft.
     """
     n = max(2 * round(0.25 * rate), 8)
     if x.size < 8 * n:

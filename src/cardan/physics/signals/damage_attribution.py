@@ -1,11 +1,11 @@
-"""Who did the damage: a stress taken apart by cause, and the share each cause is answerable for.
+"""Causes of damage: a stress divided by cause, and the share of damage of each cause.
 
 Damage is not additive: two small cycles on top of each other make a large one, so the
 damages of the parts do not sum to that of the whole, and "the damage without X" of all X
 sums to more or less than it. The shares here are Shapley values. A cause's share is the
 damage it adds, averaged over all orders in which the causes can be put together; the
 shares sum to the whole exactly, equal causes get equal shares, and a cause that changes
-nothing gets none. Beside them stand the damage without each cause and of each alone.
+nothing gets none. The damage without each cause, and of each alone, is given too.
 Source: Shapley, A value for n-person games (1953).
 """
 
@@ -102,7 +102,7 @@ def coinciding_orders(
 ) -> list[tuple[VibrationSource, VibrationSource, float]]:
     """Pairs of tones of two causes that run within `resolution` Hz, and the share of time.
 
-    While they do, nothing in the signal tells them apart, and their sum is shared evenly.
+    While they do, nothing in the signal distinguishes them, and their sum is shared evenly.
     """
     pairs: list[tuple[VibrationSource, VibrationSource, float]] = []
     if not times.size:
@@ -249,7 +249,7 @@ class _CoalitionDamage:
     """Damage of one channel over all choices of causes, as stretches pass.
 
     A cause that has done nothing so far changes nothing: until it acts, choices with it are
-    those without. While the same ones act, those that rest are not asked: what was counted so is
+    those without. While the same ones act, those at rest are not evaluated: what was counted so is
     that of any choice of them, but for where it begins.
     """
 
@@ -324,7 +324,7 @@ class _FullCoalitionCount:
         self.damage, self.residue = 0.0, EMPTY_REVERSALS
 
     def update(self, parts: FloatArray) -> float:
-        """Take a stretch of it (causes, n); return the range of cycles that do not count beside."""
+        """Take a stretch of it (causes, n); return the range of cycles that it cancels."""
         x = parts.sum(0)
         cycles, self.residue = four_point(x, residue=self.residue)
         self.damage += miner_damage(cycles, curve=self.curve, correction=self.correction)

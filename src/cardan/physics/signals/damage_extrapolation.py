@@ -1,4 +1,4 @@
-"""What a recording's damage comes to in the long run, or that nobody can know it.
+"""What a recording's damage comes to in the long run, or that it is unknown.
 
 A recording's own damage rate is a draw of chance. It misses in two ways: the few blows that did
 most of it are not those of another hour, and a road that changes was met in so many stretches only.
@@ -6,7 +6,7 @@ So the largest seconds are taken as peaks over a threshold, as many as an expone
 (by Anderson and Darling's test, and by the largest one), and the interval goes up to what a heavier
 tail would do that these may have as well; how the road changes is seen by shuffling the seconds;
 and whole stretches, as long as the road remembers, are drawn again. Where what did the damage came
-too seldom for that, no interval is told: it would be of the recording, not of the road.
+too seldom for that, no interval is given: it would be of the recording, not of the road.
 Sources: Johannesson, Extrapolation of load histories and spectra, FFEMS 29 (2006); Bader, Yan &
 Zhang, Automated threshold selection for extreme value analysis via ordered goodness-of-fit tests,
 Ann. Appl. Stat. 12 (2018); D'Agostino & Stephens, Goodness-of-fit techniques (1986), table 4.14;
@@ -26,11 +26,12 @@ from cardan.physics.fatigue.sn_curve import SNCurve
 from cardan.physics.signals.usage_profile import UsageHistory
 
 UnknownReason = Literal["short", "blows", "road", "wide", "data rejected"]
-"""Why nobody can know: a recording of less than `SHORT`, a few blows that did much of the damage,
-a road that changed too seldom, an interval beyond `WIDE`, or a recording that is spoiled."""
+"""Why the rate is unknown: a recording of less than `SHORT`, a few blows that did much of the
+damage, a road that changed too seldom, an interval beyond `WIDE`, or a recording that is
+spoiled."""
 
 MIN_VALID_TIME_S = 60.0
-"""Time heard in which no change of the road can be seen, s."""
+"""Recorded time in which no change of the road can be seen, s."""
 
 ROAD_LEVEL_BLOCK_S, MIN_ROAD_LEVEL_BLOCKS = 10, 20
 """Seconds of which the road's level is the median one's, and the fewest such blocks."""
@@ -43,9 +44,9 @@ MAX_ROAD_LEVEL_DROP_BELOW_MEAN_LN = math.log(30.0)
 """Levels that much below the mean do no damage to speak of, and count as that: standing still."""
 
 MIN_INDEPENDENT_ROAD_STRETCHES = 8.0
-"""Independent stretches that the damage came in, as if all did alike; below nothing is told. Of
-roads as rough as chance has it (level lognormal, σ 0.6, whose mean fifty stretches do not show)
-25 % of the intervals told were false with 5, 7 % with 8."""
+"""Independent stretches that the damage came in, as if all did alike; below it no interval is
+given. Of roads as rough as chance has it (level lognormal, σ 0.6, whose mean fifty stretches do not
+show) 25 % of the intervals were false with 5, 7 % with 8."""
 
 MAX_STEADY_ROAD_LEVEL_SCATTER_LN = 0.05
 """Scatter of the levels' logarithm within which a road that changes is met all the same: 1 % of
@@ -65,7 +66,7 @@ this share of the damage."""
 
 PARETO_SHAPE_SCATTER_MARGIN_FACTOR = 0.5
 """Of a tail's shape, over the root of how many seconds it has: half of what its moments scatter by.
-Of 60 roads with lognormal blows 25 % were told falsely with none of it, 10 % so."""
+Of 60 roads with lognormal blows 25 % had a false interval with none of it, 10 % so."""
 
 MAX_CONSTANT_AMPLITUDE_PEAK_EXCESS_SHARE = 0.1
 """Share by which the farthest second reaches beyond the median one of a rig that swings by one
@@ -90,12 +91,12 @@ class LongTermDamage:
     recorded_rate : 1/s
         As recorded, of live time.
     long_term_rate : 1/s
-        With the larger blows that a longer recording would meet; nan where nobody can know.
+        With the larger blows that a longer recording would meet; nan if unknown.
     interval : 1/s
-        90 % of the long run's; its high end is nan where nobody can know, and its low end then
-        what 95 % of roads exceed, nought where the recording is spoiled.
+        90 % of the long run's; its high end is nan if unknown, and its low end then
+        what 95 % of roads exceed, zero where the recording is spoiled.
     unknown_reason
-        Why nobody can know; None where it is known.
+        Why the rate is unknown; None if known.
     """
 
     recorded_rate: float
@@ -104,7 +105,7 @@ class LongTermDamage:
     unknown_reason: UnknownReason | None = None
 
     def with_recorded_rate(self, rate: float) -> "LongTermDamage":
-        """Return the same of a damage rate as recorded that is told otherwise, 1/s."""
+        """Return the same for another rate of damage as recorded, 1/s."""
         if not self.recorded_rate > 0:
             return replace(self, rate=rate) if self.unknown_reason else self
         more, (low, high) = rate / self.recorded_rate, self.interval
@@ -127,7 +128,7 @@ class _RoadVariability:
 def extrapolate_damage(
     of: UsageHistory, *, curve: SNCurve, spoiled: bool = False, seed: int = 0
 ) -> LongTermDamage:
-    """Return a gauge's damage rate in the long run, with its interval, or why nobody can know it.
+    """Return a gauge's damage rate in the long run, with its interval, or why it is unknown.
 
     What was not driven is not in it: a recording of one kind of road says nothing of others. One
     that is spoiled says nothing at all.
@@ -221,7 +222,7 @@ def extrapolate_damage(
 
 
 def _is_constant_amplitude(of: UsageHistory) -> bool:
-    """Return whether all seconds reach as far: no law of blows is told of them."""
+    """Return whether all seconds reach as far: no law of blows can be fitted to them."""
     centre = float(np.nanmedian(of.mean))
     reach = np.fmax(of.high - centre, centre - of.low)
     return bool(
@@ -296,7 +297,7 @@ def _exponential_tail_size(amplitude: FloatArray, most: int) -> int:
         # ln F of the sorted, and ln (1 - F) = -z of the same from above.
         terms = np.log(-np.expm1(-np.maximum(z, 1e-12))) - z[::-1]
         apart = -k - float((2 * rank - 1) @ terms) / k
-        # The median says how large they are without the one asked about.
+        # The median says how large they are without the one in question.
         scale = float(np.median(excess)) / math.log(2)
         odds = -math.expm1(k * math.log1p(-math.exp(-excess[-1] / scale))) if scale > 0 else 0.0
         if (

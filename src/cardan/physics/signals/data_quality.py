@@ -1,7 +1,7 @@
-"""How far a gauge's answer may be trusted: what its faults change, and who decided on them.
+"""How far a gauge's answer may be trusted: what its faults change, and which are decided.
 
 Each kind of fault is counted twice, with it and without. Where that changes the damage by
-more than a fifth and nobody said what it was, there is no answer to give, only two.
+more than a fifth and its cause is not given, there is no single result, only two.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -41,9 +41,9 @@ from cardan.physics.signals.faults.zero_step import (
 )
 
 MAX_UNDECIDED_DAMAGE_CHANGE = 0.2
-"""Change of damage, relative, beyond which a fault nobody decided on leaves no answer."""
+"""Change of damage, relative, beyond which an undecided fault leaves the result undetermined."""
 MAX_CLIPPED_SHARE = 0.01
-"""Share of samples cut off that leaves no answer, whatever is put on top of them."""
+"""Share of samples cut off that leaves the result undetermined, whatever replaces their peaks."""
 MIN_VALID_TIME_SHARE = 0.25
 """Share of the time a gauge must have lived to be answered for."""
 MIN_CREST_HEIGHT_SHARE_LOST_BY_SAMPLING = 0.01
@@ -113,7 +113,7 @@ class RuleDecision:
     intervals
         All of them.
     masked, undecided : (k, 2) samples
-        Those made holes of, and those nobody decided on.
+        Those replaced by holes, and those undecided.
     """
 
     intervals: FaultIntervals
@@ -216,7 +216,7 @@ def _apply_correction(
 
 
 ALL_UNDECIDED_FAULT_KINDS = "together"
-"""Of a way in which all kinds that nobody decided on are gone: each may hide what another does."""
+"""Key of the variant without any undecided kind: each may hide what another does."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -317,9 +317,9 @@ class DeclaredRecordingProperties:
     bend_share
         Share of them at which it does not go straight on (`Health.bends`).
     max_known_frequency : Hz
-        Known to move there, an order 2; 0 where nobody knows.
+        Known to move there, an order 2; 0 if unknown.
     ultimate : Pa
-        Tensile strength; infinite where nobody said it.
+        Tensile strength; infinite if not given.
     """
 
     rate: float
@@ -340,9 +340,9 @@ class DeclaredRecordingProperties:
         typical : Pa
             What it usually is.
         sound
-            Whether the largest is of the part, and no spike that nobody decided on.
+            Whether the largest is of the part, and no undecided spike.
         plane
-            Whether it is one measure of a rosette, of which some are nought.
+            Whether it is one measure of a rosette, of which some are zero.
         """
         found: dict[str, Finding] = {}
         crest = max(high, -low)
@@ -440,7 +440,7 @@ def _relative_difference(one: float, other: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class AssumedUnit:
-    """A unit that only somebody's word says, and what it would be in one as likely.
+    """A unit that only the user's word gives, and what it would be in one as likely.
 
     Attributes
     ----------
@@ -481,7 +481,7 @@ class DataQuality:
     assumed_unit
         Its unit, where the recording does not say it: no number of it shows that it is right.
     damage, damage_without_undecided
-        As ruled, and without all that nobody decided on, where that is of several kinds; else nan.
+        As ruled, and without all undecided faults, if these are of several kinds; else nan.
     """
 
     live_time: float
@@ -510,7 +510,7 @@ class DataQuality:
 
     @property
     def vetoes(self) -> tuple[str, ...]:
-        """Kinds of fault that leave no answer; "hole" where it hardly lived."""
+        """Kinds of fault that leave the result undetermined; "hole" if little data is valid."""
         found = [
             e.kind
             for e in self.effects

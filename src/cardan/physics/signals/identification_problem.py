@@ -52,19 +52,19 @@ from cardan.physics.signals.synchronous_fit import (
 )
 
 RIDE_SIDEBAND_WINDOW_S = 0.2
-"""Seconds that hold what a vehicle's ride puts beside an order, 1 to 2.5 Hz off."""
+"""Seconds that hold what a vehicle's ride puts near an order, 1 to 2.5 Hz off."""
 
 
 SIDEBAND_REFERENCE_OFFSETS_HZ = (7.0, 11.0)
-"""Hz beside the order where none of that is."""
+"""Hz next to the order where none of that is."""
 
 
 MIN_INTERMITTENT_ENERGY_SHARE = 0.55
-"""Share of the energy about order 2 from which it comes with the order: innocent lines had 0.33."""
+"""Share of the energy about order 2 from which it comes with the order: else it is up to 0.33."""
 
 
 FULLY_INTERMITTENT_MIN_ENERGY_SHARE = 0.85
-"""Of that share, from which all of it comes with the order: innocent lines had 0.78."""
+"""Of that share, from which all of it comes with the order: lines without joint damage had 0.78."""
 
 
 MIN_ORDER2_ENERGY_SHARE_FOLLOWING_SHAFT = 0.95
@@ -72,11 +72,11 @@ MIN_ORDER2_ENERGY_SHARE_FOLLOWING_SHAFT = 0.95
 
 
 SPEED_CHANNEL_SCALE_CANDIDATES = tuple(1.095**k for k in (-3, -2, -1, 1, 2, 3))
-"""Of a speed, that are looked at where its own acquits: each holds what is within 5 % of it."""
+"""Other scales of a speed, tried if its own finds no joints: each covers 5 % around it."""
 
 
 MIN_RESCALED_SPEED_DAMAGE_SHARE = 0.1
-"""Share of the damage from which a line that may be theirs lets nobody be acquitted."""
+"""Share of the damage from which a line that may be the joints' prevents a low estimate."""
 
 
 MIN_TORQUE_TO_SPEED_SQUARED_ENERGY_RATIO = 1.25
@@ -89,8 +89,8 @@ MAX_TORQUE_BURST_TIME_SHARE = 0.15
 
 MIN_SHORT_TORQUE_CORRELATION = 0.25
 """Correlation of crests with the torque below which a torque of seconds brought no damage: of 18
-guilty gauges at which it had, all but one (held by other doubts) had 0.33 to 0.92, and of 14
-innocent ones whose damage came in such seconds by chance nine had less."""
+gauges with joint damage at which it had, all but one (held by other doubts) had 0.33 to 0.92, and
+of 14 without it whose damage came in such seconds by chance nine had less."""
 
 
 MIN_CONSTANT_TO_TORQUE_LAW_ENERGY_RATIO = 1.01
@@ -98,12 +98,12 @@ MIN_CONSTANT_TO_TORQUE_LAW_ENERGY_RATIO = 1.01
 
 
 MIN_SINGLE_TONE_ENERGY_SHARE = 0.5
-"""Share of the joints' force that is one tone, from which nothing tells it from a tone."""
+"""Share of the joints' force that is one tone, from which it passes for a tone alone."""
 
 
 MAX_RELATIVE_SPEED_ERROR_IF_CORRECT, MIN_RELATIVE_SPEED_ERROR_IF_WRONG = 1e-3, 2e-3
 """Shares of a speed within which it is taken to be right, and from which it is not: ratios come
-back to 1e-4, and axle ratios are told in three or four digits."""
+back to 1e-4, and axle ratios are given in three or four digits."""
 
 
 MAX_RELATIVE_DISTANCE_TO_WHOLE_ORDER = 5e-4
@@ -131,7 +131,7 @@ StressHistoryDamageFunction = Callable[[FloatArray], float]
 
 @dataclass(frozen=True)
 class ShareInterval:
-    """What may be theirs, from low to high, and what made it so wide."""
+    """What may be due to the joints, from low to high, and what made it so wide."""
 
     low: float
     high: float
@@ -161,7 +161,7 @@ class IdentificationProblem:
     rate : Hz
         Of what is left.
     load : (m,)
-        The torque over its rms, or where nobody `measured` it, when the shaft turns; 0 before a
+        The torque over its rms, or if not `measured`, when the shaft turns; 0 before a
         speed is known and after.
     """
 
@@ -233,7 +233,7 @@ class IdentificationProblem:
     def with_estimated_lag(
         self, option: SpeedAlignment, angle: ShaftAngle | None = None
     ) -> SpeedAlignment:
-        """Return an option with the lag that its response tells."""
+        """Return an option with the lag estimated from its response."""
         return estimate_lag(
             option, self.rotation_of(option, angle), self.impact_clipped_stress, most=self.angle.lag
         )
@@ -281,7 +281,7 @@ class IdentificationProblem:
         """Return where the angle is lost (m,)."""
         return self.angle.is_lost(self.time)
 
-    # ---------------------------------------------------------------- what is theirs
+    # ---------------------------------------------------------------- what is due to the joints
 
     def damage_share_of_wave(self, wave: FloatArray) -> float:
         """Return the share of damage that goes with a wave (m,)."""
@@ -316,7 +316,8 @@ class IdentificationProblem:
         """Return all (m,) that a span of some seconds holds near order 2, or so many Hz aside."""
         return near_order(x, self.best_rotation, self.rate, span=span, beside=aside)
 
-    # ---------------------------------------------------------------- what else may be theirs
+    # ---------------------------------------------------------------- what else may be due to the
+    # joints
 
     def with_lost_angle_part(self, wave: FloatArray) -> FloatArray:
         """Return a wave, and all that is near order 2 where the angle is lost."""
@@ -342,7 +343,7 @@ class IdentificationProblem:
         return close, close - max(off)
 
     def widen_for_other_speeds(self, span: ShareInterval) -> ShareInterval:
-        """Widen by what may be theirs if the speed is another's, at half or twice the shaft's."""
+        """Widen by what the joints may do if the speed is half or twice the shaft's."""
         for times, doubt in ((2.0, DOUBT_DOUBLE_SPEED), (0.5, DOUBT_HALF_SPEED)):
             if found := self.alignment_at_speed_factor(times):
                 asked = replace(self.angle, rotation=self.angle.rotation.geared(times))
@@ -368,9 +369,9 @@ class IdentificationProblem:
         return self.widen_for_speed_scale(span) if span.high <= NOT_DOMINANT_MAX_SHARE else span
 
     def widen_for_speed_scale(self, span: ShareInterval) -> ShareInterval:
-        """Widen by what may be theirs if the speed's scale is off, as by a wrong number of teeth.
+        """Widen by what may be due to the joints if the speed's scale is wrong, as by teeth.
 
-        What is no engine's that was heard, and not the same under any torque, may be order 2 of
+        What is not of a measured engine, and not the same under any torque, may be order 2 of
         another shaft than turned so.
         """
         other = self.other_scale_problem if self.measured else None
@@ -408,8 +409,8 @@ class IdentificationProblem:
 
         The joints' goes with the torque, turns its sign with it, and where rubber or a stop yields
         ever less grows as its root: within each band of frequency, where the bracket is one. An
-        order 2 of other descent, of a wheel's or a bent flange, knows no torque. Each is asked at
-        the ratio and lag of the speed that suits it best, or a turn's slip stands for a sign.
+        order 2 of other descent, of a wheel's or a bent flange, knows no torque. Each is evaluated
+        at the ratio and lag of the speed that suits it best, or a turn's slip stands for a sign.
         """
         if not self.measured:
             return False
@@ -479,7 +480,7 @@ class IdentificationProblem:
         """Share, at least and likely, of what follows order 2 where no engine may, and that (m,).
 
         It needs no angle: only what turns with the shaft goes through all frequencies with it.
-        So does any order of an engine that nobody heard, in some gear. None of what does not.
+        So does any order of an engine that was not measured, in some gear. None of what does not.
         """
         if self.engine is None:
             where = ~above_idle(self.best_rotation)
@@ -518,7 +519,7 @@ class IdentificationProblem:
         )
 
     def widen_for_short_torque(self, rest: FloatArray, span: ShareInterval) -> ShareInterval:
-        """Widen by what may be theirs if it comes with a torque that lasts for seconds only.
+        """Widen by what the joints may do if it comes with a torque that lasts for seconds only.
 
         Where crests do not go with the torque at all, what comes in its seconds came by chance.
         """
@@ -535,7 +536,7 @@ class IdentificationProblem:
 
     @cached_property
     def torque_proportional_part(self) -> FloatArray | float:
-        """Return what swings with the torque itself (m,): load, whoever turns."""
+        """Return what swings with the torque itself (m,): load, whatever turns."""
         if not self.measured:
             return 0.0
         pull = remove_running_mean(self.load, self.rate)
@@ -544,7 +545,7 @@ class IdentificationProblem:
     def widen_for_intermittent_sidebands(
         self, rest: FloatArray, span: ShareInterval
     ) -> ShareInterval:
-        """Widen by what may be theirs if it comes and goes with order 2, not locked to it."""
+        """Widen by what the joints may do if it comes and goes with order 2, not locked to it."""
         if (
             comes := intermittent_energy_share(rest, self.best_rotation, self.rate)
         ) > MIN_INTERMITTENT_ENERGY_SHARE:
@@ -553,19 +554,19 @@ class IdentificationProblem:
                 + 0.05,
                 DOUBT_INTERMITTENT_SIDEBANDS,
             )
-            # Nobody knows what that knocks loose elsewhere, nor, without a torque, when.
+            # What that knocks loose elsewhere is unknown, and without a torque also when.
             if comes > FULLY_INTERMITTENT_MIN_ENERGY_SHARE or not self.measured:
                 span = span.up_to(NOT_DOMINANT_MAX_SHARE + 0.05)
         return span
 
     @cached_property
     def torque_magnitude(self) -> FloatArray:
-        """Return how hard they pull (m,): by the torque, or by order 2 where nobody measured it."""
+        """Return how hard they pull (m,): by the torque, or by order 2 if not measured."""
         return np.abs(self.load) if self.measured else np.abs(self.order2_fit.waveform) ** 2
 
     @cached_property
     def crest_torque_correlation(self) -> float:
-        """Return how all crests go with that, a correlation; nan where nothing tells it."""
+        """Return how all crests go with that, a correlation; nan if undetermined."""
         return self.crest_correlation_without(0.0)
 
     def crest_correlation_without(self, wave: FloatArray | float) -> float:
@@ -578,8 +579,8 @@ class IdentificationProblem:
     def widen_for_bump_stop_preload(self, wave: FloatArray, span: ShareInterval) -> ShareInterval:
         """Open the end where crests go with their pull, as of a stop that the line stands on.
 
-        How much of the damage would be left without it no line's wave (m,) tells. Where they are
-        found, or nobody is acquitted, it takes less: without a stop nothing beside the wave goes
+        How much of the damage would be left without it no line's wave (m,) shows. Where they are
+        found, or the joints are not excluded, it takes less: without a stop only the wave goes
         with their pull.
         """
         innocent = span.high <= NOT_DOMINANT_MAX_SHARE

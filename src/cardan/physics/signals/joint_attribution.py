@@ -1,10 +1,10 @@
 """What the joints did to a gauge, as evidence: identified by phase and torque, with its doubt.
 
-A bracket answers whoever shakes it, so a large amplitude at twice the shaft's speed accuses
-nobody. Two things tell the joints from a road that shakes the same mode: their force is
+A bracket responds to every excitation, so a large amplitude at twice the shaft's speed proves
+nothing. Two things distinguish the joints from a road that shakes the same mode: their force is
 locked to the shaft's angle, and it goes with its torque. So what is `locked` is fitted and taken
 off: the answer is the share of damage that goes with it, 1 - D(without)/D. What that cannot see
-is asked one by one: who else turns so, what stands close `beside` the order, what only comes
+is examined one by one: what else turns so, what stands close `beside` the order, what only comes
 with it. Each answer may widen the interval, and says so.
 """
 
@@ -67,13 +67,13 @@ FULL_CONFIDENCE_F_STATISTIC = 60.0
 CONFIDENCE_INTERVAL_DRAWS = 24
 """Of the interval."""
 MAX_ORDER2_DEVIATION_FROM_OTHER_GEARS = 0.2
-"""Share by which order 2 beside an engine order may differ from what other gears foretell (rms, in
+"""Share by which order 2 next to an engine order may differ from what other gears predict (rms, in
 size and phase), and still be the joints' alone."""
 TRIAL_PHASE_ERRORS_RAD = (0.0, *(k * np.pi / 8 for k in (-3, -2, -1, 1, 2, 3)))
-"""By which the phase that other gears foretell may be wrong: an engine that turns with the shaft
+"""By which the phase predicted from other gears may be wrong: an engine that turns with the shaft
 pulls at the ratio of the speed, and near a mode a per cent of frequency turns it by as much."""
 MIN_SIDEBAND_EXCESS_DAMAGE_SHARE = 0.15
-"""Share of the damage by which what is beside the order exceeds what is farther off."""
+"""Share of the damage by which what is next to the order exceeds what is farther off."""
 
 
 @dataclass(frozen=True)
@@ -85,8 +85,8 @@ class JointCausedStress:
     attribution
         What they are answerable for.
     stress : (n,) Pa
-        Theirs most likely, as `evidence.removed` says: what is fitted, locked or not, or where
-        nothing is locked all that follows order 2 through all frequencies.
+        Most likely due to the joints, as `evidence.removed` says: what is fitted, locked or not, or
+        where nothing is locked all that follows order 2 through all frequencies.
     order2 : (n,) Pa
         0-to-peak amplitude of their order 2, as fitted, found or not.
     damage
@@ -115,10 +115,10 @@ def separate_joint_caused_stress(
     start: float = 0.0,
     seed: int = 0,
 ) -> JointCausedStress:
-    """Ask what the joints did to a stress (n,).
+    """Estimate what the joints did to a stress (n,).
 
     Before a speed is known and after, a rotation goes on at its last speed, at which nothing
-    turned: what a gauge feels there is neither theirs nor of another cause.
+    turned: what a gauge feels there is neither of the joints nor of another cause.
 
     Parameters
     ----------
@@ -129,11 +129,11 @@ def separate_joint_caused_stress(
     angle
         Of the shaft.
     torque : (n,) N m
-        At the shaft; None where nobody measured it.
+        At the shaft; None if not measured.
     damage
         Of a stress (n,).
     engine, engine_orders
-        Who else may turn twice a shaft turn: of an engine nobody heard, if its order 2 may be.
+        What else may turn twice a shaft turn; of an unmeasured engine, whether its order 2 may.
     wheel
         Behind the axle, where its ratio is known.
     start : s
@@ -183,7 +183,7 @@ def separate_joint_caused_stress(
 def _damage_share_without_speed(
     stress: FloatArray, angle: ShaftAngle, time: FloatArray, damage: StressHistoryDamageFunction
 ) -> float:
-    """Return the share of damage done while its speed is not known, or is below nought."""
+    """Return the share of damage done while its speed is not known, or is negative."""
     said = ~(angle.is_unknown(time) | angle.is_negative(time))
     if said.all() or not (total := damage(stress)) > 0:
         return 0.0
@@ -191,7 +191,7 @@ def _damage_share_without_speed(
 
 
 def _result_without_lock(case: IdentificationProblem) -> JointCausedStress:
-    """Answer where nothing is locked to the shaft: what might be theirs all the same."""
+    """Return the evidence if nothing is locked to the shaft: what might still be of the joints."""
     wave = case.order2_fit.waveform.real
     theirs = case.at_full_rate(wave)
     likely, own = max(case.damage_share_of_stress(theirs), 0.0), case.decimated_damage_share(wave)
@@ -205,7 +205,7 @@ def _result_without_lock(case: IdentificationProblem) -> JointCausedStress:
     doubt = 0.3 * reach + 0.03
     span = ShareInterval(-doubt, reach + doubt)
     if not (case.angle.trusted and case.measured):
-        # Who knows no torque does not know where the joints' force turns its sign.
+        # Without a torque it is unknown where the joints' force turns its sign.
         all_near = max(
             case.decimated_damage_share(case.near_order2(case.x, span=held))
             for held in (0.5, RIDE_SIDEBAND_WINDOW_S)
@@ -238,7 +238,7 @@ def _result_without_lock(case: IdentificationProblem) -> JointCausedStress:
             low, span = 0.0, span.doubting(DOUBT_SPEED_SCALE)
         if low >= DOMINANT_MIN_SHARE and case.is_torque_independent:
             low, span = 0.0, span.doubting(DOUBT_TORQUE_INDEPENDENT)
-        # Lugs follow the shaft too, an order of the wheels or two beside.
+        # Lugs follow the shaft too, an order of the wheels or two away.
         if low >= DOMINANT_MIN_SHARE and case.wheel_order > TYRE_LUG_MIN_ORDER:
             low, span = 0.0, span.doubting(DOUBT_SPEED_OF_OTHER_SHAFT)
     found = _joint_attribution(
@@ -258,7 +258,7 @@ def _result_with_lock(case: IdentificationProblem, seed: int) -> JointCausedStre
     whole = case.at_full_rate(mean)
     middle, own = case.damage_share_of_stress(whole), case.decimated_damage_share(mean)
     if middle < 0 and case.following_shares():
-        # What is held of it does harm: the angle slips, and what follows the shaft tells more.
+        # What is held of it does harm: the angle slips, and what follows the shaft shows more.
         return _result_without_lock(case)
     # How far draws lie from it shows among the thinned samples as well as among all.
     drawn = (
@@ -275,7 +275,8 @@ def _result_with_lock(case: IdentificationProblem, seed: int) -> JointCausedStre
     # What the model leaves out of a bracket: most where half of the damage is at stake.
     margin = 0.03 + 0.1 * max(middle * (1 - middle), 0.0)
     span = ShareInterval(min(low, middle) - margin, max(high, middle) + margin)
-    # What it leaves close to the order, over what it leaves elsewhere, may be theirs as well.
+    # What it leaves close to the order, over what it leaves elsewhere, may be of the joints as
+    # well.
     close, more = case.sideband_shares(mean)
     if more > 0:
         span = span.up_to(span.high + min(more, max(close - own, 0.0)))
@@ -285,10 +286,10 @@ def _result_with_lock(case: IdentificationProblem, seed: int) -> JointCausedStre
         span = span.up_to(close, DOUBT_NO_TORQUE)
     if line.f_statistic < FULL_CONFIDENCE_F_STATISTIC:
         span = span.down_to(span.low - 0.1).up_to(span.high + 0.1, DOUBT_WEAK_SYNCHRONOUS_PART)
-        if middle > 0.3:  # an angle that slips loses some of what is theirs
+        if middle > 0.3:  # an angle that slips loses some of the joints' part
             span = span.up_to(case.damage_share_of_wave(case.near_order2(x)) + 0.05)
-    # The shaft does all that is there, and little of it is held, or nobody measured when it pulls:
-    # what that knocks loose elsewhere, at a stop above all, nobody knows.
+    # The shaft does all that is there, and little of it is held, or when it pulls is not measured:
+    # what that knocks loose elsewhere, at a stop above all, is unknown.
     unclear = line.f_statistic < FULL_CONFIDENCE_F_STATISTIC or not case.measured
     if (
         unclear
@@ -296,7 +297,7 @@ def _result_with_lock(case: IdentificationProblem, seed: int) -> JointCausedStre
         > FULLY_INTERMITTENT_MIN_ENERGY_SHARE
     ):
         span = span.up_to(NOT_DOMINANT_MAX_SHARE + 0.05, DOUBT_INTERMITTENT_SIDEBANDS)
-    if middle < 0:  # theirs taken off does more damage: the angle slips where it matters
+    if middle < 0:  # removing the joints' part does more damage: the angle slips where it matters
         span = span.up_to(
             max(case.damage_share_of_wave(case.near_order2(x)), 0.05), DOUBT_SHAFT_ANGLE_MAY_SLIP
         )
@@ -307,7 +308,7 @@ def _result_with_lock(case: IdentificationProblem, seed: int) -> JointCausedStre
             1.0 if span.high > 0.3 else span.high + 0.3, DOUBT_ORDER_6_SUGGESTS_RATTLE
         )
     if not case.angle.trusted:
-        # Something is theirs, and what that knocks loose elsewhere no lost angle can follow.
+        # Something is of the joints, and what that knocks loose elsewhere no lost angle can follow.
         span = span.up_to(
             max(case.damage_share_of_wave(case.near_order2(x)), NOT_DOMINANT_MAX_SHARE + 0.05),
             DOUBT_NO_RELIABLE_SHAFT_ANGLE,
@@ -381,7 +382,7 @@ class _ShareBesideEngine:
     """What is the joints' where an engine order may run with their order 2.
 
     `least` is their share at least, `most` at most. Where the engine does part of what runs with
-    order 2, `likely` (m,) is a stress of theirs between, and `share` what goes with that.
+    order 2, `likely` (m,) is a stress of the joints between, and `share` what goes with that.
     """
 
     least: float
@@ -393,10 +394,11 @@ class _ShareBesideEngine:
 def _share_beside_engine(
     case: IdentificationProblem, theirs: "_JointLines", mean: FloatArray, margin: float
 ) -> _ShareBesideEngine | None:
-    """Return what is theirs where an engine may turn with the shaft; None if none may.
+    """Return the joints' part if an engine may turn with the shaft; None if none may.
 
-    Of an engine that was heard all that runs with order 2 may be its own. Of one that nobody
-    heard, theirs is what its spells have in common: order 2 and all that nothing explains.
+    Of a measured engine all that runs with order 2 may be its own. Of one that was not
+    measured, the joints' part is what its spells have in common: order 2 and all that nothing
+    explains.
     """
     may = engine_order_overlap(case.best_rotation, case.engine, case.engine_orders, case.time)
     if may is None:
@@ -434,7 +436,7 @@ def _share_beside_engine(
 def _following_share_beside_engine(case: IdentificationProblem, wave: FloatArray) -> float:
     """Share of damage that goes with a wave (m,) that follows order 2, where no engine does.
 
-    An engine order that runs with order 2 follows the shaft as well; 1 where none was heard to.
+    An engine order that runs with order 2 follows the shaft as well; 1 where none was measured to.
     """
     may = engine_order_overlap(case.best_rotation, case.engine, case.engine_orders, case.time)
     if may is None or case.engine is None:
@@ -449,7 +451,7 @@ def _order2_of_other_gears(
     """Return order 2 (m,) of the joints as the rest of the drive has it, where none else `may`.
 
     Torque and speed make it, through the bracket's modes; it is fitted without the samples in
-    which an engine order runs with it, and foretold for those.
+    which an engine order runs with it, and predicted for those.
     """
     scene, y = case.best_rotation, case.order2_fit.fitted_signal
     alone = fit_order(replace(scene, torque=scene.torque * share), y * share, 2, most=2)

@@ -12,10 +12,10 @@ what the gauge feels without the mode (v, w: in step with it and not), and f₀,
 gauges; S is met as Hann's window smears it. Logarithms of single lines scatter alike whatever
 the level, so least squares is all it takes. Intervals are of 90 %, by drawing blocks of windows.
 
-A mode is told where it is more than chance, narrower than the band and wider than a line, where
-slow and fast windows have it at one frequency (an order that nobody named moves), and a wider
-band does not move it. What is told is a mode that the gauges feel: whether of the bracket, of
-what hangs in it, or of what it is bolted to, no gauge knows.
+A mode is reported if it is more than chance, narrower than the band and wider than a line, where
+slow and fast windows have it at one frequency (an order that is not given moves), and a wider
+band does not move it. What is reported is a mode that the gauges feel: whether of the bracket, of
+what hangs in it, or of what it is bolted to, no gauge shows.
 Sources: Brincker & Ventura, Introduction to Operational Modal Analysis (2015), ch. 8-10;
 Wahba, J. Am. Stat. Assoc. 75 (1980) (the logarithm of a periodogram); Künsch, Ann. Stat. 17
 (1989) (blocks); Ewins, Modal Testing (2000), ch. 4.
@@ -42,7 +42,7 @@ MAX_FREQUENCY_TO_SAMPLE_RATE = 0.36
 """Of the sample rate: above, a logger's filter makes the spectrum."""
 
 MAX_WHEEL_HOP_FREQUENCY_HZ = 16.0
-"""Hz below which wheels hop and bodies ride, assumed: what stands out there is not told."""
+"""Hz below which wheels hop and bodies ride, assumed: what stands out there is not reported."""
 
 MASKED_SHAFT_ORDER_LIST = (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)
 """Of the shaft, masked: unbalance, joints and what rattles."""
@@ -57,7 +57,7 @@ MAX_WINDOWS = 1200
 """Windows that are kept of a long recording, in blocks spread over it."""
 
 BOOTSTRAP_BLOCK_WINDOWS = 5
-"""Windows beside one another that err together."""
+"""Adjacent windows that err together."""
 
 BOOTSTRAP_DRAWS = 60
 """Of blocks, for an interval."""
@@ -82,7 +82,7 @@ MIN_MODE_MISFIT_REDUCTION_VARIANCES = 30.0
 """Misfit, in variances, that a mode has to take away: a bump of chance takes some 15."""
 
 FIT_BAND_NARROWING_FACTOR = 1.35
-"""Share of a band beside its whole: what a mode moves by between them is doubt."""
+"""Share of a band, compared with its whole: what a mode moves by between them is doubt."""
 
 FIT_BAND_HALF_WIDTH_IN_DAMPING_RATIOS = 5.0
 """Damping ratios to either side of a peak that are looked at: two and a half half-power widths."""
@@ -91,7 +91,7 @@ DAMPING_RATIO_LIMITS = 0.003, 0.15
 """Damping ratios between which a mode is one, and no line and no slope."""
 
 MIN_MODE_HALF_POWER_WIDTH_SPECTRAL_LINES = 0.4
-"""Half-power width of a mode, in lines, below which it is told from no tone."""
+"""Half-power width of a mode, in lines, below which it cannot be distinguished from a tone."""
 
 MIN_TONE_PHASE_COHERENCE_ACROSS_WINDOWS = 0.5
 """How far a line's phase goes on evenly from window to window that do not overlap, from which
@@ -99,13 +99,13 @@ a tone stands there: a pump, a compressor, the mains. It is masked like an order
 
 MAX_LOG_SPECTRUM_VARIANCE_TO_NOISE_RATIO = 1.2
 """Scatter of the logarithms, over that of noise, from which the spectrum changes its shape with
-time: then something moves through it that nobody named."""
+time: then something moves through it that is not given."""
 
 MAX_SLOW_FAST_DIFFERENCE = 3.5, 0.01
 """Standard deviations, and share, by which slow and fast windows may differ in frequency."""
 
 MAX_RELATIVE_CONFIDENCE_HALF_WIDTHS = 0.03, 0.6
-"""Half of the widest interval that is told, relative, of frequency and damping."""
+"""Half of the widest interval that is reported, relative, of frequency and damping."""
 
 MIN_RELATIVE_CONFIDENCE_HALF_WIDTHS = 0.01, 0.3
 """Half of the narrowest, relative: what the model leaves out, measured on recordings whose truth
@@ -229,7 +229,7 @@ def order_free_spectra(
 
 
 def _tone_lines(lines: ComplexArray, known: BoolArray) -> BoolArray:
-    """Return in which lines (G, F) a tone of fixed frequency stands, and those beside them.
+    """Return in which lines (G, F) a tone of fixed frequency stands, and those next to them.
 
     Its phase goes on evenly from a window to the next but one, which do not overlap.
     """
@@ -274,10 +274,10 @@ _HANN_MAIN_LOBE = (
     ** 2
 )
 _HANN_LINE_WEIGHTS = _HANN_MAIN_LOBE / _HANN_MAIN_LOBE.sum()
-"""What a line sees of the power at shares of a line beside it: Hann's window, (cells,)."""
+"""What a line sees of the power at shares of a line next to it: Hann's window, (cells,)."""
 
 _PRIOR_PRECISIONS = 1 / np.array([3.0, 1.5, 1.5, 1.0]) ** 2
-"""Of b, c, v, w, assumed: what the spectrum does not tell stays near nought."""
+"""Of b, c, v, w, assumed: what the spectrum does not determine stays near zero."""
 
 _DIFFERENCE_STEP = 1e-5
 
@@ -410,7 +410,7 @@ class _PeakBand:
     def fitted(
         self, said: _MisfitTerms, pole: FloatArray, beside: _ModeFit | None = None
     ) -> _ModeFit:
-        """Fit from one pole, or from one more beside others: by signs of what goes with it."""
+        """Fit from one pole, or from one more next to others: by signs of what goes with it."""
         poles, own = (
             (np.empty((0, 2)), np.zeros((2, self.size)))
             if beside is None
@@ -452,11 +452,11 @@ class _PeakBand:
         return said.c - (right * np.linalg.solve(H, right[..., None])[..., 0]).sum(-1)
 
 
-# --------------------------------------------------------------------------- what is told
+# --------------------------------------------------------------------------- reported modes
 
 
 def identify_operational_modes(of: OrderFreeSpectra) -> tuple[OperationalMode, ...]:
-    """Return the modes that a background tells, the lowest first."""
+    """Return the modes that a background shows, the lowest first."""
     told: list[OperationalMode] = []
     for peak in spectral_peaks(of):
         near = _modes_at_peak(of, peak)
@@ -514,7 +514,7 @@ def _peak_band(of: OrderFreeSpectra, peak: float, half: float) -> _PeakBand | No
     every = of.line_spacing
     near = np.abs(np.log(of.frequency / peak)) <= max(half, 12 * every / peak)
     lines, known = of.lines[..., near], of.known[..., near]
-    # A window of which next to nothing is known tells no level.
+    # A window of which next to nothing is known shows no level.
     known = known & (known.sum(-1, keepdims=True) >= 0.3 * np.count_nonzero(near))
     level = _log_power(lines, known)
     known = known & _excited_windows(level, known)[..., None]
@@ -552,7 +552,7 @@ def _initial_mode(of: OrderFreeSpectra, peak: float) -> tuple[BoolArray, FloatAr
 
 
 def _modes_at_peak(of: OrderFreeSpectra, peak: float) -> Iterator[OperationalMode]:
-    """Yield the mode of a peak, and one beside it that it has to be told from, where told."""
+    """Yield the mode of a peak, and a neighbour that it has to be distinguished from, if any."""
     if (settled := _initial_mode(of, peak)) is None:
         return
     felt, pole, half = settled
@@ -611,7 +611,7 @@ def _student_factor(count: int) -> float:
 
 
 def _gauges_with_mode(band: _PeakBand, pole: FloatArray) -> BoolArray:
-    """Return which gauges (G,) feel a mode there, each asked alone, at one frequency."""
+    """Return which gauges (G,) feel a mode there, each fitted alone, at one frequency."""
     one = np.ones(band.level.shape[0])
     worth, at = np.zeros(band.size), np.zeros(band.size)
     for k in range(band.size):

@@ -3,7 +3,7 @@
 The signal is met at equal angles: in windows of whole turns, weighed by Hann's window over
 the angle, so that whole orders do not see each other. A window has eight turns at least and
 lasts half a second at least; neighbours overlap by half. What stands some resolution cells
-beside an order is its noise.
+next to an order is its noise.
 Source: Fyfe & Munck, Analysis of computed order tracking, Mech. Syst. Signal Process. 11 (1997).
 """
 
@@ -94,7 +94,7 @@ class OrderCuts:
         0-to-peak and phase against the shaft's angle θ: the signal is Re a e^{ikθ}. nan where
         too much is missing.
     noise : (channels, K, W)
-        Rms size of what stands beside the order.
+        Rms size of the spectrum next to the order.
     """
 
     orders: tuple[float, ...]
@@ -175,7 +175,7 @@ def _window_amplitudes(
     span: FloatArray, time: FloatArray, rotation: ShaftRotation, at: OrderWindows, k: int,
     orders: Sequence[float],
 ) -> ComplexArray:  # fmt: skip
-    """Return orders and what stands beside each (channels, K + K beside) of one window."""
+    """Return orders and the spectrum next to each (channels, K + K) of one window."""
     angle, count = rotation.at(time), float(at.turns[k])
     weight = hann_weights(angle, at, k)
     each = [*orders, *(o + b / count for o in orders for b in NOISE_OFFSETS_SPECTRAL_BINS)]

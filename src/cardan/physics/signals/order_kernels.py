@@ -152,7 +152,7 @@ def best_predecessor_within_reach_into(
 ) -> None:  # fmt: skip
     """Write to `back` and `after` what `farther` returns; `key` and `queue` (n,) are its paper.
 
-    Who is behind in the queue is a better one that came later; whoever is out of reach leaves it.
+    What is behind in the queue is a better one that came later; what is out of reach leaves it.
     """
     n = best.size
     first, last = 0, 0

@@ -70,7 +70,7 @@ class ShaftRotation:
     def speed(self, time: ArrayLike) -> FloatArray:
         """Return the turns a second (...) at each time (...) s."""
         t = np.asarray(time, float)
-        # Of a day's drive only what is asked is derived, and an hour at once.
+        # Of a day's drive only what is needed is derived, and an hour at once.
         count = max(min(self.time.size // SPEED_SAMPLES_PER_PROCESSING_BLOCK, t.size), 1)
         found = np.empty(t.size)
         parts = (np.array_split(x, count) for x in (t.ravel(), found))
@@ -208,7 +208,7 @@ def estimate_rotation_from_vibration(
 
     In a spectrogram of `window` s the speed is the path along which the power at `orders`
     is largest, changing by at most `jerk` turns/s from frame to frame (dynamic programming).
-    It is told to some tenths of a turn a second: enough for a spectrum, and no phase.
+    It is known to some tenths of a turn a second: enough for a spectrum, and no phase.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ def estimate_rotation_from_vibration(
     rate : Hz
         Of its samples.
     orders
-        Expected in it, the strongest first: that tells a speed from its double.
+        Expected in it, the strongest first: that distinguishes a speed from its double.
     slowest, fastest : turns/s
         Range searched. A standing shaft is not recognised.
     """
@@ -284,7 +284,7 @@ def _order_scores(
         around = np.lib.stride_tricks.sliding_window_view(
             np.pad(level, ((0, 0), (12, 12)), mode="edge"), 25, axis=-1
         )
-        # Of 25 a median is the thirteenth: NumPy's own asks for more, and takes six times as long.
+        # Of 25 a median is the thirteenth: NumPy's own sorts more, and takes six times as long.
         level = np.maximum(level - np.partition(around, 12, axis=-1)[..., 12], 0)
         score: FloatArray = np.zeros((len(level), speeds.size))
         for rank, k in enumerate(orders):
@@ -376,7 +376,7 @@ MAX_SINGLE_THREAD_MATRIX_ELEMENTS = 1 << 18
 """Size of a matrix product up to which OpenBLAS does not start threads."""
 
 IMPACT_SAMPLE_WEIGHT_IN_ORDER_FIT = 0.01
-"""Weight of an event's samples beside others, when tones are looked for."""
+"""Weight of an event's samples relative to others, when tones are looked for."""
 
 BLOCK_MARGIN_SPLINE_SPANS = 8
 """Spans beyond a stretch that are solved with it: what is farther changes it below 1e-3."""
@@ -389,14 +389,14 @@ class OrderDecomposer:
     Attributes
     ----------
     components
-        To find; those locked to one another in one fixed ratio of 1 cannot be told apart.
+        To find; those locked to one another in one fixed ratio of 1 cannot be distinguished.
     rate : Hz
         Of the samples.
     span : s
         Between knots of the amplitudes: tones that differ by less than about 1/span Hz run
         together, and random vibration within that band counts as tone.
     min_frequency : Hz
-        A tone below this is let go: it is no longer told from the slow mean.
+        A tone below this is dropped: it cannot be distinguished from the slow mean.
     stretch_spans
         Spans solved together.
     event_factor
@@ -520,7 +520,7 @@ class OrderDecomposer:
 
     def _events(self, rest: FloatArray, inside: BoolArray) -> FloatArray:
         """Weight (channels, n) of the event windows in a rest, 0 to 1 with soft edges."""
-        # The louder seconds set the scale, so that driving off is no event beside standing.
+        # The louder seconds set the scale, so that driving off is no event next to standing.
         known, second = rest[:, inside], max(round(self.rate), 1)
         blocks = known[:, : max(known.shape[1] // second, 1) * second]
         blocks = blocks.reshape(rest.shape[0], -1, min(second, blocks.shape[1]))

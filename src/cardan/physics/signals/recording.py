@@ -17,7 +17,7 @@ SAMPLES_PER_BLOCK = 1 << 18
 
 @dataclass(frozen=True, slots=True)
 class Channel:
-    """One signal: its name and the unit it is written in (empty if nobody says).
+    """One signal: its name and the unit it is written in (empty if not given).
 
     Attributes
     ----------

@@ -1,12 +1,12 @@
 """The angle of a shaft from channels that were never meant to give one.
 
 A phase is only as good as the angle behind it, and a speed on a bus comes late, in steps,
-with holes, and off by the tyre that somebody typed in. What can be known of it is mended
+with holes, and off by the tyre size typed in. What can be known of it is corrected
 here: holes and sudden zeros are unknown and not standing still; of a staircase the values at
 its steps count; and where an engine's speed runs along, gear by gear a fixed ratio apart, it
-turns the shaft through holes, and finer than a staircase does. Where neither tells, the angle
-is lost: it goes on afterwards from a zero that nobody knows. What is left, one ratio, one lag
-and these zeros, the stress itself tells (`response`).
+turns the shaft through holes, and finer than a staircase does. Where neither is known, the angle
+is lost: it goes on afterwards from an unknown zero. What is left, one ratio, one lag
+and these zeros, are estimated from the stress itself (`synchronous_fit`).
 """
 
 from dataclasses import dataclass, field, replace
@@ -31,14 +31,14 @@ MIN_SPEED_GAP_LOSING_ANGLE_S = 0.15
 """Seconds without a speed in which an angle is lost."""
 MIN_STUCK_SPEED_S = 5.0
 """Seconds of one and the same speed, while the engine's changes by `MIN_ENGINE_SPEED_CHANGE`, that
-nobody drove.
+was not driven.
 """
 MIN_ENGINE_SPEED_CHANGE = 0.1
 """Share by which an engine's speed changes that in gear takes the shaft's along."""
 MAX_ENGINE_BRIDGED_GAP_S = 20.0
 """Seconds without a speed through which the engine turns the shaft: gears change meanwhile."""
 MAX_SPEED_GAP_S = 1.0
-"""Seconds without a speed after which nobody knows how fast it turned."""
+"""Seconds without a speed after which the speed is unknown."""
 MIN_NEIGHBOUR_SPEED_TO_ERROR_CODE_RATIO = 0.8
 """Share of the first number that is no speed from which a real one may have come to it."""
 MAX_SHAFT_SPEED_RAMP_FULL_SCALES_PER_S = 0.45
@@ -58,13 +58,13 @@ now and then: fewer were set."""
 TIME_POINTS_PER_BLOCK = 1 << 17
 """Times at which a speed is looked up at once."""
 ANGLE_LOOKUP_MARGIN_S = 10.0
-"""Seconds beside a stretch, and its lag, of which the angle is asked with it."""
+"""Seconds around a stretch, and its lag, for which the angle is computed with it."""
 SPEED_SMOOTHING_WINDOW_S, MAX_READING_INTERVAL_SHOWING_RIPPLE_S = 0.35, 0.02
 """Seconds in which a shaft's speed is a cubic, and between readings that show a turn's wobble."""
 MIN_MOVING_SPEED_REV_PER_S = 0.5
 """Turns/s from which a shaft is under way, either way round."""
 MAX_STOPPING_DROP_REV_PER_S = 2.0
-"""Turns/s from which no shaft falls to nought within a sample."""
+"""Turns/s from which no shaft falls to zero within a sample."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class ShaftAngle:
     trusted
         Whether a phase of twice this angle means anything.
     lost_intervals : (k, 2) s
-        From when to when nobody knows how far it turned: afterwards its zero is another.
+        From when to when the angle is unknown: afterwards its zero is another.
     """
 
     rotation: ShaftRotation
@@ -88,21 +88,21 @@ class ShaftAngle:
     trusted: bool = True
     lost_intervals: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     measured: bool = True
-    """Whether anybody measured it: what was read off the stress itself acquits nobody."""
+    """Whether it was measured: a speed taken from the stress itself excludes no cause."""
     unknown_speed_share: float = 0.0
     """Share of the time under way for which nothing says how fast it turned."""
     known_time_span: tuple[float, float] = (-np.inf, np.inf)
-    """From when to when something says it, s: before and after, a speed is held that is beside."""
+    """From when to when it is recorded, s: before and after, the next known speed is held."""
     speed_gaps: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
     """Between these, (k, 2) s from when to when nothing says it for more than a moment, and a line
     goes straight across."""
     negative_speed_intervals: FloatArray = field(default_factory=lambda: np.empty((0, 2)))
-    """From when to when, (k, 2) s, its speed is below nought for more than a moment."""
+    """From when to when, (k, 2) s, its speed is negative for more than a moment."""
     negative_speed_counts: bool = True
     """Whether that counts by its size; it says nothing otherwise."""
 
     def is_negative(self, time: FloatArray) -> BoolArray:
-        """Return whether its speed is below nought at times (n,) s, for more than a moment."""
+        """Return whether its speed is negative at times (n,) s, for more than a moment."""
         begun, over = self.negative_speed_intervals.T
         return np.searchsorted(begun, time, "right") > np.searchsorted(over, time)
 
@@ -124,7 +124,7 @@ class ShaftAngle:
     def within(self, first: float, last: float) -> "ShaftAngle":
         """Return the angle between two times, s, and with what it loses there.
 
-        Of a day's drive the rest is held once: a stretch is asked at many ratios.
+        Of a day's drive the rest is held once: a stretch is computed at many ratios.
         """
         near = (self.lost_intervals[:, 1] > first) & (self.lost_intervals[:, 0] < last)
         beside = self.lag + ANGLE_LOOKUP_MARGIN_S
@@ -196,7 +196,7 @@ def speed_readings(speed: FloatArray, *, rate: float) -> SpeedReadings:
     x[x < 0] = 0.0
     still = np.flatnonzero(x == 0)
     if still.size:
-        # A fall to nought from a speed is a lost value; one that runs out has stopped.
+        # A fall to zero from a speed is a lost value; one that runs out has stopped.
         first = still[np.append(True, np.diff(still) > 1)]
         last = np.append(still[np.flatnonzero(np.diff(still) > 1)], still[-1])
         for a, b in zip(first, last, strict=True):
@@ -243,7 +243,7 @@ def _is_setpoint(value: FloatArray, long: FloatArray, period: float) -> bool:
     """Return whether values (n,) that last so long (n,) s each were set, and none is a reading.
 
     What is read now and then comes by a clock, and seldom the same twice; what was set on a stand
-    stays for as long as somebody wants, or comes again. Joined straight it had an engine that ran
+    stays for as long as wanted, or comes again. Joined straight it had an engine that ran
     at 1500 or 3000 rpm in seven gears between.
     """
     if period <= MAX_SPEED_CHANGE_DURATION_S or value.size < 3:
@@ -266,19 +266,19 @@ def _update_period_samples(value: FloatArray, fresh: BoolArray) -> float:
 
 @dataclass(frozen=True)
 class UnsignedSpeed:
-    """A channel of speed (n,) turns/s by its size where it is below nought for long.
+    """A channel of speed (n,) turns/s by its size where it is negative for long.
 
     Attributes
     ----------
     speed
         What counts: the size of what was driven backwards, nan where it is no speed.
     runs : (k, 2)
-        Samples from and to which it is below nought.
+        Samples from and to which it is negative.
     reverses : bool
         Whether it goes forwards too: an angle is lost where the shaft turns round.
     size_counts
-        Whether its size counts: of one number throughout, beside speeds above nought, nobody
-        knows whether it stands for none.
+        Whether its size counts: of one number throughout, next to positive speeds, it
+        is unknown whether it stands for none.
     """
 
     speed: FloatArray
@@ -288,7 +288,7 @@ class UnsignedSpeed:
 
 
 def unsigned_speed(speed: FloatArray, *, rate: float) -> UnsignedSpeed:
-    """Return a channel of speed (n,) turns/s by its size, and where it is below nought for long."""
+    """Return a channel of speed (n,) turns/s by its size, and where it is negative for long."""
     back = speed < -MIN_MOVING_SPEED_REV_PER_S
     least = MAX_SPEED_GAP_S * rate
     if np.count_nonzero(back) < least:
@@ -388,8 +388,8 @@ MIN_NO_TORQUE_OUTLIER_RATIO = 3.0
 def torque_error_runs(x: FloatArray, *, rate: float) -> IntArray:
     """Return runs (k, 2) of samples where a bus wrote that it had no torque, flanks included.
 
-    A bit is worth what whoever laid out the bus says, so the number alone tells nothing: it is
-    one of no value (`bus_error_runs`) for some worth of a bit, held, and far beyond all other
+    The worth of a bit is whatever the bus's author defined, so the number alone shows nothing: it
+    is one of no value (`bus_error_runs`) for some worth of a bit, held, and far beyond all other
     torque.
 
     Parameters
@@ -536,8 +536,8 @@ def _smooth_speed(speed: FloatArray, step: float) -> FloatArray:
     """Return a speed (n,) without what comes once a turn, as of an eccentric tone wheel.
 
     That is none of the shaft's, and a mode at one of its orders would make much of it: with it
-    order 4 had explained an engine's third, and convicted. A cubic over a third of a second keeps
-    what a vehicle does. Source: Savitzky & Golay, Anal. Chem. 36 (1964).
+    order 4 had explained an engine's third, a false attribution. A cubic over a third of a second
+    keeps what a vehicle does. Source: Savitzky & Golay, Anal. Chem. 36 (1964).
     """
     from scipy.signal import savgol_filter
 

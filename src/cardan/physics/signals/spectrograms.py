@@ -29,7 +29,7 @@ class Spectrogram:
     frequency : (n + 1,) Hz
         Edges.
     density : (n, m) unit²/Hz
-        Mean of each cell; nan where nothing was heard.
+        Mean of each cell; nan where nothing was recorded.
     """
 
     time: FloatArray

@@ -37,11 +37,11 @@ CONSTANT_RESPONSE_BAND_WIDTH_HZ = 2.5
 
 
 RELATIVE_BAND_WIDTH_FOR_LAG_SEARCH = 0.03
-"""Width of bands that tell a lag from a mode, of their frequency."""
+"""Width of bands that distinguish a lag from a mode, of their frequency."""
 
 
 MIN_RESIDUAL_BAND_CORRELATION = 0.3
-"""Correlation from band to band of what one mode leaves, from which another is sought beside it."""
+"""Correlation from band to band of what one mode leaves, from which a second one is sought."""
 
 
 MIN_LAG_UNCERTAINTY_S = 0.0075
@@ -49,7 +49,7 @@ MIN_LAG_UNCERTAINTY_S = 0.0075
 
 
 MIN_ORDER_FREQUENCY_HZ = 2.0
-"""Frequency below which nothing is told from the load, Hz."""
+"""Frequency below which the load determines nothing, Hz."""
 
 
 @dataclass(frozen=True)
@@ -222,7 +222,7 @@ def align_speed(
             )
         return energy, best
 
-    # Every fourth lag from the middle one on tells whether the others are worth it.
+    # Every fourth lag from the middle one on shows whether the others are worth it.
     coarse = np.arange(shifts.size) % 4 == shifts.size // 2 % 4
     first = [at(int(shift)) for shift in shifts[coarse]]
     if over and not any(energy.max() >= over / 2 for energy, _ in first):
@@ -341,7 +341,7 @@ def estimate_lag(
     rows = np.concatenate([plain, one[:, None]], 1) * w
     energy, left, alike = _unexplained_energy(rows, turned)
     if alike > MIN_RESIDUAL_BAND_CORRELATION:
-        # Another beside it: of some lags' best one, and fewer to choose from.
+        # Another next to it: of some lags' best one, and fewer to choose from.
         other = _mode_responses(f, modes[::3], (0.02, 0.06, 0.15))
         best = np.unique(np.append(energy[:, ::8].argmax(0), energy[:, left.argmin()].argmax()))
         pairs = np.concatenate(
@@ -354,7 +354,7 @@ def estimate_lag(
     chance = 1 + 2.7 * (1 + 4 / free) / free
     likely = left <= chance * left.min()
     low, high = (float(lags[likely][end]) for end in (0, -1))
-    # Beyond what was looked at nobody knows.
+    # Beyond the range searched nothing is known.
     low = -most if likely[0] else max(low - MIN_LAG_UNCERTAINTY_S, -most)
     high = most if likely[-1] else min(high + MIN_LAG_UNCERTAINTY_S, most)
     best = 0.0 if low <= 0 <= high else float(lags[left.argmin()])

@@ -41,7 +41,7 @@ MIN_MODE_SEARCH_ENERGY_GAIN_SHARE = 1e-4
 CONTROL_ORDER_OFFSETS_BINS = (4.5, 6.5, 9.0, 12.0, 15.5, 19.5, 24.0, 29.0)
 """Distances of the phantoms, resolution cells to either side."""
 CROSS_PREDICTION_STRETCH_S = 9.0
-"""Seconds of a stretch that is foretold from its neighbours."""
+"""Seconds of a stretch that is predicted from its neighbours."""
 MIN_DETECTION_F_STATISTIC = 15.0
 """F from which something is locked: without joints the search over ratios reached 14."""
 SAMPLES_PER_MATRIX_PRODUCT_BLOCK = 1 << 15
@@ -95,7 +95,7 @@ def _complex_coefficients(c: FloatArray) -> ComplexArray:
 class _DemodulatedOrder:
     """An order as its shaft sees it: what turns with the order stands still.
 
-    A search asks for many modes, and seen so, some samples a second say as much of each as
+    A search evaluates many modes, and seen so, some samples a second say as much of each as
     hundreds do.
 
     Attributes
@@ -127,7 +127,7 @@ class _DemodulatedOrder:
         return np.einsum("ij,ij->i", rows, self.back.reshape(rows.shape)) * (2 / self.every)
 
     def columns(self, poles: Sequence[tuple[float, float]], *, shift: float = 0.0) -> ComplexArray:
-        """Each force, plain and through each mode (columns, m), all of it `shift` Hz beside."""
+        """Each force, plain and through each mode (columns, m), all of it `shift` Hz away."""
         time = np.arange(self.speed.size) / self.rate
         beside = unit_phasor_of_turns(shift * time)
         turning = self.turning.by(beside, shift)
@@ -402,7 +402,7 @@ class OrderFit:
 
     @cached_property
     def f_statistic(self) -> float:
-        """Return F: the energy that the order foretells over what the phantoms take."""
+        """Return F: the energy that the order predicts over what the phantoms take."""
         taken = [floor * self.demodulated.every / 2 for _, floor in self.controls]
         foretold = max(_predicted_energy(self.columns, self.fitted_signal, self.rate), 0.0)
         return foretold / max(float(np.mean(taken)), 1e-30)

@@ -3,7 +3,7 @@
 A truck drives a random route: speed in phases, gears, torque from acceleration, grade and
 drag. Its bracket gauges feel the driving torque, unbalance (order 1, with speed squared),
 joints (orders 2 and 4, with torque), engine orders, wheels, road roughness and events, each
-by a gain the caller chooses, so who breaks the bracket is known beforehand.
+by a gain the caller chooses, so the cause of damage is known beforehand.
 """
 
 from collections.abc import Mapping
@@ -221,7 +221,7 @@ def _gear(shaft_speed: FloatArray, rate: float) -> FloatArray:
 
 
 def _torque(rng: np.random.Generator, t: FloatArray, v: FloatArray, rate: float) -> FloatArray:
-    """Shaft torque (n,) N m of a 17 t truck: inertia, drag, rolling, hills; coasting too."""
+    """Shaft torque (n,) N m of a 17 t truck: inertia, drag, rolling, hills; overrun too."""
     grade = _smooth(rng.normal(0, 0.02, t.size // int(20 * rate) + 2)[
         (t / 20).astype(int)
     ], int(10 * rate))  # fmt: skip

@@ -1,8 +1,8 @@
-"""When the damage came: second by second, so that route, gear, speed and torque can be told.
+"""When the damage came, second by second: to assign it to route, gear, speed and torque.
 
 A cycle counts in the second in which it closes; what is left open at the end belongs to no
 second. What seconds say is added up by what was driven in them, and sorted to see how short a test
-can be; what they come to in the long run is told in `long_run`.
+can be; what they come to in the long run is in `damage_extrapolation`.
 """
 
 from collections.abc import Iterable, Sequence
@@ -26,7 +26,7 @@ from cardan.physics.fatigue.sn_curve import SNCurve
 from cardan.physics.signals.recording import rechunk_to_block_size
 
 INTERVAL_S = 1.0
-"""Length of what is told apart, s."""
+"""Length of one interval of usage, s."""
 MIN_REVERSAL_RANGE_SHARE = 0.01
 """Of the range that a stress had until then, by which it has to turn to be held."""
 INTERVALS_PER_BLOCK = 4096
@@ -46,15 +46,15 @@ class UsageHistory:
     open_damage : (m,) 1
         Of what is left open, by the rule for the residue and by the second a leg of it ends in.
     high, low : (m,) Pa
-        Largest and smallest stress; nan where nothing was heard.
+        Largest and smallest stress; nan where nothing was recorded.
     at_high, at_low : (m,) s
         When these were.
     live : (m,) s
-        Time that was heard.
+        Time that was recorded.
     damage_by_cycle_start : (m,) 1
         As `damage`, by the second in which each cycle began.
     mean : (m,) Pa
-        Mean stress; nan where nothing was heard.
+        Mean stress; nan where nothing was recorded.
     reversals : m of (k,) Pa
         Where the stress turns in each second, but for what turns by less than `FINE`.
     """
@@ -83,7 +83,7 @@ class UsageHistory:
 
     @property
     def time_of_max_deviation(self) -> FloatArray:
-        """When (m,) s the stress was farthest from its level; nan where nothing was heard.
+        """When (m,) s the stress was farthest from its level; nan where nothing was recorded.
 
         The level is the median of the seconds' means, half a minute to either side: of a pulse of
         some seconds it is still what was before and comes after, and a grade it follows.
@@ -112,12 +112,12 @@ class UsageHistory:
 
 
 def interval_count(samples: int, *, rate: float) -> int:
-    """Return how many seconds `usage` tells apart in so many samples."""
+    """Return how many seconds `usage` has for so many samples."""
     return -(-samples // _interval_samples(rate))
 
 
 def interval_length(rate: float) -> float:
-    """Return how long what `usage` tells apart lasts, s: a second, in whole samples."""
+    """Return the length of one interval of `usage`, s: a second, in whole samples."""
     return _interval_samples(rate) / rate
 
 

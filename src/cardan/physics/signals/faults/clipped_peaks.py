@@ -132,7 +132,7 @@ class PeakTracker:
 
         By chance a crest falls on the highest one's step as often as crests lie as close below
         it, or as they are alike there, as of slow data in coarse steps or of a test that repeats;
-        and a sample next to it as often as the drop beside it has steps.
+        and a sample next to it as often as the drop next to it has steps.
         """
         none: FloatArray = np.empty((0, 3))
         order = np.argsort(self.rows[:, 1], kind="stable")

@@ -1,7 +1,7 @@
 """What in a channel looks wrong, by kind and place. Nothing is taken out here.
 
-A blow of a pothole and a bad contact look alike to a filter that mends both. So what is
-suspicious is only found and listed, and whoever measured says what it was: `masked` makes a
+A blow of a pothole and a bad contact look alike to a filter that removes both. So what is
+suspicious is only found and listed, and the user, who measured, says what it was: `masked` makes a
 hole of it, which is unknown and not zero, and what is kept is exactly what was recorded.
 
 | kind | what it is |

@@ -15,7 +15,7 @@ MIN_DISCONTINUITY_MOVE_RATIO = 2.0
 
 
 GAIN_CHECK_SPANS_PER_SIDE, MIN_GAIN_CHANGE_LN, MAX_JUMP_TO_SWING_GAIN_MISMATCH_LN = 3, 0.1, 0.5
-"""Spans beside a tear that say whether the gain changed there; the logarithm of the least change,
+"""Spans next to a tear that show whether the gain changed there; the logarithm of the least change,
 and how far from it the swing's may be."""
 
 

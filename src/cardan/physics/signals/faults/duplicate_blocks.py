@@ -2,7 +2,7 @@
 
 No road and no test bench does a thing twice to the last digit; a buffer that was stored twice
 does. Some samples are chosen by their own digits, so that the same ones are chosen of a copy; what
-follows them is told by a fingerprint, and where those of many agree at one distance, it is a copy.
+follows them has a fingerprint, and where those of many agree at one distance, it is a copy.
 """
 
 import numpy as np
@@ -25,7 +25,7 @@ FINGERPRINT_SAMPLES = 16
 """Samples of a fingerprint."""
 MIN_COPY_DISTANCE_S, MIN_MATCHING_FINGERPRINTS, MAX_MATCHING_SHARE_OF_FINGERPRINTS = 0.5, 4, 0.5
 """Shortest distance of a copy, and fewest chosen samples in it; and of all, the share from which
-whoever made the recording repeats, as a test bench in coarse steps."""
+the whole recording is taken to repeat, as a test bench in coarse steps."""
 HASH_PARTITIONS = 8
 """Of all fingerprints, by their first bits: those of one are held against each other at once."""
 _HASH_MULTIPLIER = np.uint64(0x9E3779B97F4A7C15)
@@ -42,7 +42,7 @@ class DuplicateBlockDetector:
     def update(self, block: SignalBlock) -> None:
         """Take a piece, and of the samples that follow what its fingerprints need."""
         ahead, start, size = block.ahead, block.start, block.size
-        bits = np.add(ahead, 0.0, dtype=float).view(np.uint64)  # no minus nought
+        bits = np.add(ahead, 0.0, dtype=float).view(np.uint64)  # no minus zero
         size = min(size, ahead.size - FINGERPRINT_SAMPLES)
         if size <= 0:
             return
@@ -56,7 +56,7 @@ class DuplicateBlockDetector:
         for k in range(FINGERPRINT_SAMPLES):
             told = (told ^ bits[chosen + k]) * _HASH_MULTIPLIER
             told ^= told >> np.uint64(29)
-        # Eight bytes each, of a day two million: half a fingerprint tells as much, where four that
+        # Eight bytes each, of a day two million: half a fingerprint suffices, where four that
         # follow each other have to agree.
         self.starts.append(start)
         self.met.append(np.stack([chosen, told >> np.uint64(32)]).astype(np.uint32))

@@ -84,7 +84,7 @@ class WholeChannelFault(Protocol):
 
     @property
     def details(self) -> Mapping[str, object]:
-        """Values that a finding on it has beside its size."""
+        """Values that a finding of it has in addition to its size."""
         ...
 
     def removed_from(self, x: FloatArray, start: int, /) -> FloatArray:
@@ -143,7 +143,7 @@ class FaultKind:
     impossible
         Whether no stress can be so, if all was said as it is.
     explained_by
-        Kinds that leave the same trace: a place that one of them is at, or half its length beside
+        Kinds that leave the same trace: a place that one of them is at, or half its length next to
         it, is that one's.
     """
 

@@ -1,8 +1,8 @@
 """Changes of a gauge's gain, by what it is held against: another gauge.
 
 Two channels that feel the same forces keep their ratio in each band of frequencies, as long as
-nobody touches an amplifier. What shakes them may change, and with it the ratio in the bands that it
-is heard in; but only a gain changes it in all of them at once, and by the same factor.
+no amplifier is changed. What shakes them may change, and with it the ratio in the bands that it
+appears in; but only a gain changes it in all of them at once, and by the same factor.
 """
 
 from collections.abc import Sequence
@@ -43,7 +43,7 @@ standard one, and a median is 1.25 times worse than a mean; and the least error 
 many errors a change has in a band that says something."""
 MIN_SHARE_OF_SPANS_WITH_STEADY_BANDS = 0.9
 """Share of the spans in which what all bands do together is less than the change: where another
-force is heard now and then, they go up and down together as well."""
+force acts now and then, they go up and down together as well."""
 MIN_COMMON_CHANGE_STANDARD_ERRORS = 5.0
 """Errors that a change has by what all bands do together: there are many places to choose from."""
 MIN_MEAN_POLARITY_PRODUCT_ACROSS_CHANGE = 0.25
@@ -54,11 +54,11 @@ many times the change of the ratio: half of that, a gain moves it by itself."""
 SPANS_PER_BLOCK = 16
 """Spans whose spectra are held at once."""
 SEARCH_STEPS_PER_WINDOW, SEARCH_WINDOWS_PER_BLOCK = 6, 128
-"""How often a change is asked for within what it is held against, and how many times at once."""
+"""How often a change is looked for within what it is compared with, and how many times at once."""
 
 
 class GainChangeDetector:
-    """Holds channels against each other, span by span: `add` each piece, then ask `found`."""
+    """Compares channels with each other, span by span: `add` each piece, then read `found`."""
 
     def __init__(self, rate: float, count: int) -> None:
         self.size, self.count = max(round(SPAN_S * rate), 1), count
@@ -101,7 +101,7 @@ class GainChangeDetector:
     def result(self) -> list[FaultIntervals]:
         """Return where the gain of each channel changes, and by what factor.
 
-        Of two that change against each other nobody knows which it was: either may be.
+        Of two that change against each other which one changed is unknown: either may have.
         """
         told: list[list[tuple[int, float]]] = [[] for _ in range(self.count)]
         if not self.met:

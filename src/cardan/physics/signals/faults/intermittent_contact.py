@@ -39,7 +39,7 @@ HISTOGRAM_BINS_PER_OCTAVE = 4
 POWER_HISTOGRAM_BIN_INDICES = np.arange(-4096, 4096)
 MAX_HELD_CANDIDATE_BLOCKS, MAX_LATER_MEDIAN_POWER_DROP_FACTOR = 1 << 14, 12.0
 """Blocks that are held until those are let go that will not do, and how far the median power of all
-may yet fall: who is white for minutes is seldom louder than usual."""
+may yet fall: a channel white for minutes is seldom louder than usual."""
 
 
 class IntermittentContactDetector:

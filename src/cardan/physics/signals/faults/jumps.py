@@ -20,7 +20,7 @@ MIN_JUMP_TO_90_PERCENT_QUANTILE_RATIO = 5.0
 
 
 MIN_SPIKE_PREDICTION_ERROR_RATIO = 10.0
-"""The same of a sample that its neighbours do not foretell."""
+"""The same of a sample that its neighbours do not predict."""
 
 
 MAX_SPIKE_NEIGHBOUR_ERROR_RATIO = 0.1
@@ -67,10 +67,10 @@ def find_jumps(
 
 
 def find_single_spikes(x: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Return single samples, runs (k, 2), that a cubic through their neighbours does not foretell.
+    """Return single samples, runs (k, 2), that a cubic through their neighbours does not predict.
 
-    Within a ring steps are large, but each sample is foretold by those beside it. One that is off
-    by itself spoils the foretelling of these as well, by two thirds and with the other sign; a
+    Within a ring steps are large, but each sample is predicted by those next to it. One that is off
+    by itself spoils the prediction of these as well, by two thirds and with the other sign; a
     blow, however short, has flanks.
     """
     off = np.zeros_like(x)

@@ -1,6 +1,6 @@
 """Stretches in which a gauge stops answering, wholly or above a frequency, while another goes on.
 
-A vehicle that stops, coasts or comes to a smooth road changes what all gauges feel. A gauge that
+A vehicle that stops, rolls or comes to a smooth road changes what all gauges feel. A gauge that
 freezes, or an amplifier whose low-pass filter is switched on, loses octaves by itself: its level
 steps down in each of them, and that of a gauge that feels the same does not.
 """
@@ -129,7 +129,7 @@ def lost_stretches(
     Parameters
     ----------
     own, other : (spans, bands) ln
-        Levels of the channel, and of one beside it.
+        Levels of the channel, and of another one.
     comparable
         First bands of those in which the two are compared (`comparable_bands`).
     """

@@ -4,8 +4,8 @@ The grid holds its frequency to some hundredths of a hertz, and what couples it 
 holds still. Met second by second at the mains' own frequency, hum is therefore one number
 that hardly turns and hardly grows, which no shaft that is driven and no bracket that a road
 shakes gives: in a second they are elsewhere. A machine driven by a motor on the mains is the
-exception, which whoever measured it has to say: so it is a suspect, and nothing is taken off
-unasked.
+exception, which the user has to declare: so the tone is a suspect, and is not removed
+without a rule.
 """
 
 from collections.abc import Iterator
@@ -33,11 +33,11 @@ MAINS_FREQUENCY_TOLERANCE_HZ = 0.1
 MIN_HUM_AMPLITUDE_TO_DEVIATION_RATIO = 0.05
 """Amplitude over the channel's deviation from which hum is a suspect."""
 MIN_STEADY_S, MIN_TOTAL_HUM_S = 8, 20
-"""Seconds in which a steady tone is told from one that passes, and of which it has to be there in
-all, or in the whole recording: at cruise an order of a shaft holds still for some."""
+"""Seconds in which a steady tone is distinguished from one that passes, and of which it has to be
+there in all, or in the whole recording: at cruise an order of a shaft holds still for some."""
 
 SECONDS_PER_BLOCK = 256
-"""Seconds that are held until it is heard which of them stand still."""
+"""Seconds that are held until it is known which tones stand still."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,7 +49,7 @@ class MainsHum:
     frequencies : (k,) Hz
         Of the grid and its harmonics.
     phasors : (k, m) complex
-        z in the middle of each second, in the channel's unit, nought where it does not hum;
+        z in the middle of each second, in the channel's unit, zero where it does not hum;
         straight between them.
     rate : Hz
         Of the channel's samples.
@@ -144,7 +144,7 @@ class MainsHumDetector:
         return (rows - rows.mean(-1, keepdims=True)) @ turning
 
     def result(self, of: ChannelStatistics) -> dict[str, MainsHum]:
-        """Return the hum that is loud beside the channel's deviation, if there is one."""
+        """Return the hum that is loud compared with the channel's deviation, if there is one."""
         hum = self.hum(deviation=of.deviation)
         return {} if hum is None else {FAULT_HUM: hum}
 
@@ -204,7 +204,7 @@ def _find_steady_tones(
 
     own, turn = over(power), over(turned, MIN_STEADY_S - 1).sum(-1)
     still = np.abs(turn) > 0.93 * own[..., 1:].sum(-1)
-    # Few: what is dear is asked of them alone.
+    # Few: the costly test is run on them alone.
     begins, tone = np.nonzero(still & (np.abs(np.angle(turn)) < 2 * np.pi * strays))
     low, typical, high = np.quantile(own[begins, tone], [0.1, 0.5, 0.9], axis=-1)
     loud = typical > 8 * np.median(over(beside)[begins, tone], axis=-1)

@@ -20,9 +20,9 @@ MIN_QUIET_S, MIN_QUIET_BLOCKS = 0.5, 6
 """Shortest stretch that is found."""
 LOUD_QUANTILE, MAX_QUIET_SHARE, MIN_LOUD_SHARE = 0.75, 0.03, 0.1
 """Quantile of the blocks' deviations that a stretch and its neighbours are compared with; share of
-it that a stretch does not exceed, and that the blocks beside it do."""
+it that a stretch does not exceed, and that the blocks next to it do."""
 MIN_LOUD_TO_QUIET_RATIO = 10.0
-"""Times the stretch's own deviation that the blocks beside it have at least."""
+"""Times the stretch's own deviation that the blocks next to it have at least."""
 MAX_NOISE_SHARE, MIN_LOUD_SHARE_BESIDE_NOISE, MIN_LOUD_TO_NOISE_RATIO = 0.25, 0.4, 4.0
 """The same three of a stretch that is white noise about one level."""
 MIN_NOISE_S = 5.0
@@ -33,12 +33,12 @@ MIN_WHITENESS, MAX_LEVEL_STANDARD_ERRORS = 0.7, 4.0
 END_BLOCKS, MAX_END_TO_NOISE_RATIO = 4, 1.5
 """Blocks inside each end of it, and times its own deviation that their median is at most."""
 NEIGHBOUR_BLOCKS, TRANSITION_BLOCKS = 6, 1
-"""Blocks beside a stretch whose median is loud, which no single blow's is; and those between."""
+"""Blocks next to a stretch whose median is loud, which no single blow's is; and those between."""
 
 
 @dataclass(frozen=True)
 class _QuietBounds:
-    """How long and quiet a stretch is, and how loud the blocks beside it."""
+    """How long and quiet a stretch is, and how loud the blocks next to it are."""
 
     min_length_s: float
     max_share: float
@@ -82,7 +82,7 @@ class QuietStretches:
         self.tail = whole[full:].copy()
 
     def result(self) -> FaultIntervals:
-        """Return the stretches, and how far the channel deviates from lines beside them."""
+        """Return the stretches, and how far the channel deviates from lines next to them."""
         blocks = np.concatenate([np.empty((3, 0), np.float32), *self.blocks], -1).astype(float)
         deviation = blocks[0]
         known = deviation[deviation > 0]

@@ -1,4 +1,4 @@
-"""A channel that was turned over wherever it crossed zero: somebody wrote its absolute value.
+"""A channel that was turned over wherever it crossed zero: its absolute value was written.
 
 It bounces off zero as no stress does: at the bottom a stress turns round, and what crossed zero
 goes straight on, upside down. So there are many lowest points that are sharp.

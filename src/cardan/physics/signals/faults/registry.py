@@ -33,7 +33,7 @@ FAULTS_OF_ANY_CHANNEL = tuple(k for k, of in FAULTS_BY_CODE.items() if of.of_any
 IMPOSSIBLE_STRESS_FAULTS = tuple(k for k, of in FAULTS_BY_CODE.items() if of.impossible)
 """What a gauge's stress cannot be, if all was said as it is: of it there is no damage without."""
 MASKABLE_FAULTS = tuple(k for k, of in FAULTS_BY_CODE.items() if of.maskable)
-"""What a hole can be made of: what a clip cut off, and where a drift began, nobody knows."""
+"""What a hole can be made of: what a clip cut off, and where a drift began, is unknown."""
 CORRECTABLE_FAULTS = tuple(k for k, of in FAULTS_BY_CODE.items() if of.correctable)
 """What makes no hole: it is taken off, and the rest is what was measured."""
 MASKABLE_OR_CORRECTABLE_FAULTS = (*MASKABLE_FAULTS, *CORRECTABLE_FAULTS)

@@ -26,7 +26,7 @@ MIN_EMPTY_BAND_WIDTH_SHARE_OF_RANGE, MIN_EMPTY_BANDS = 1 / 64, 2
 MAX_BAND_WIDTH_DEVIATION_SHARE = 0.15
 """How far widths and distances may be off, relative: the codes at their edges are not all met."""
 MIN_BAND_EDGE_TO_MEAN_DENSITY_RATIO = 0.5
-"""Of as many as there are in the mean, the samples beside an empty band in a quarter of its width:
+"""Of as many as there are in the mean, the samples next to an empty band in a quarter of its width:
 levels that something is switched between thin out."""
 
 
@@ -38,11 +38,11 @@ class StuckBit:
 
     @property
     def details(self) -> dict[str, object]:
-        """Nothing beside its size."""
+        """No value in addition to its size."""
         return {}
 
     def removed_from(self, x: FloatArray, _: int) -> FloatArray:
-        """Return the samples as they are: what the bit hid nobody knows."""
+        """Return the samples as they are: what the bit hid is unknown."""
         return x
 
 

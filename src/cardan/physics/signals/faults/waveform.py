@@ -232,7 +232,7 @@ class WaveformFaultDetector:
     def _neighbours(
         self, x: FloatArray, first: IntArray, last: IntArray, offset: int, size: int
     ) -> None:
-        """Enter, by its edges, how long the values beside a value that stands long stood.
+        """Enter, by its edges, how long the values next to a long-standing value stood.
 
         And how far the samples about each edge range.
         """
@@ -252,7 +252,7 @@ class WaveformFaultDetector:
     def result(self, of: ChannelStatistics) -> dict[str, FaultIntervals]:
         """Return the places of each kind that is there.
 
-        What jumps less than twice as far as the channel usually swings is nobody's fault.
+        What jumps less than twice as far as the channel usually swings is no fault.
         """
         if not of.alive:
             return {}
@@ -318,8 +318,8 @@ class WaveformFaultDetector:
         """Return the steps of the zero: tears, and what takes some samples and stays.
 
         Of that the levels (spans,) on both sides have to know. A load that comes within a sample
-        looks the same, so they are suspects. What jumps off and back (`jumps`) is none. Beside
-        them, what changed the gain: from there on level and swing (`swings`) are as many times.
+        looks the same, so they are suspects. What jumps off and back (`jumps`) is none. In addition
+        to them, what changed the gain: from there on level and swing (`swings`) are as many times.
         """
         levels, span, typical = of.levels, of.span, of.typical_swing
         torn, heights = self._torn(jumps.runs, typical=typical)
@@ -333,7 +333,7 @@ class WaveformFaultDetector:
         moved = levels[behind[within]] - levels[before[within]]
         stays = np.abs(moved - sizes) < 0.4 * np.abs(sizes)
         steps = FaultIntervals(np.stack([at, at + 1], -1)[stays], sizes[stays])
-        # One tear alone may be a blow; of several those that stay are told once.
+        # One tear alone may be a blow; of several, those that stay are reported once.
         if torn.count < MIN_DISCONTINUITIES:
             return steps, gains
         about = steps.runs + np.array([-MAX_STEP_SAMPLES, MAX_STEP_SAMPLES])
@@ -376,7 +376,7 @@ class WaveformFaultDetector:
     def _long(self, taken: IntArray) -> list[tuple[int, int, float]]:
         """Return runs of one value for longer than the channel keeps one, and the value.
 
-        A crest of slow data in coarse steps stands long too, and the steps beside it nearly so.
+        A crest of slow data in coarse steps stands long too, and the steps next to it nearly so.
         """
         # The value they keep is that of the sample before, too.
         runs = [(a - 1, b, v) for a, b, v in self.still.runs]
