@@ -39,7 +39,7 @@ _HIGH, _AMONG = 0.8, 0.7
 """What is refined: within a feature above this share of its top, in features above this of all."""
 _PLAIN = 0.9
 """Share of the highest plain stress above which a feature is among the worst too: fatigue may have
-the worst elsewhere, and yield asks where stress itself is highest."""
+the worst elsewhere, and yield needs where stress itself is highest."""
 ASSUMED_STRESS_ERROR_SHARE_UNREFINED, _ANYWHERE = 0.25, 0.02
 """Share of its stress by which a feature may be off that was not looked at twice, and share of the
 highest of all by which any may be: of a hundred such on five brackets one in fourteen was."""
@@ -55,7 +55,7 @@ read 1 / 1.8 and 1 / 2.2 of what is there, those of 0.6 mostly within a tenth.""
 _MOMENTS = 24
 """Of a history, by which loads are compared."""
 _TWICE = 2
-"""Meshes in which the tops are made finer whatever elements say: two steps tell a trend."""
+"""Meshes in which the tops are made finer whatever elements say: two steps show a trend."""
 _GREW = 1.1
 """Times as many unknowns as the mesh before, below which the next would be such another: what still
 moves is where its nodes came to lie."""
@@ -64,11 +64,11 @@ _HIGHER = 1.05
 _HALF, _TOP = 0.55, 0.95
 """How much finer a top is looked at a second time; what counts as the top of a feature."""
 _GOALS = 8
-"""Features, the worst, of which it is asked what coarse elements elsewhere take from them."""
+"""Features, the worst, for which the loss by coarse elements elsewhere is computed."""
 _MOST_OF = 0.7
 """Share of what they take that is made finer at once."""
 _LOADS = 8
-"""Loads, the most telling, under which the mesh is made; every load is asked of the last."""
+"""Loads, the most relevant, under which the mesh is made; the last solves every load."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +92,7 @@ class ElasticityProblem:
         Largest edge of an element of the first mesh.
     asked
         Which of the loads are solved for on each mesh, whatever cases have of them; what none has
-        is asked of the last mesh alone.
+        is solved on the last mesh alone.
     """
 
     shape: Any
@@ -116,11 +116,11 @@ class MeshSolution:
     Attributes
     ----------
     displacements : (c, unknowns)
-        Nil of loads that were not asked yet, and so is their stress.
+        Zero for loads not solved yet, and so is their stress.
     stress : (n, c, 6) Pa
         At the nodes.
     unit_stress : (places, c, 6) Pa
-        Stress at the places where fatigue is asked.
+        Stress at the places where fatigue is evaluated.
     """
 
     elastic: ElasticSolid
@@ -215,7 +215,7 @@ def _under(
     *,
     tell: StatusCallback,
 ) -> MeshSolution:
-    """Solve for some of the load vectors (c, unknowns), and read stress where fatigue is asked."""
+    """Solve for some of the load vectors (c, unknowns), and read stress at places of fatigue."""
     some = np.ones(len(loads), dtype=bool) if some is None else some
     tell(f"solving for {np.count_nonzero(some)} loads")
     zones = find_fatigue_zones(body.nodes, held=problem.clamp_faces, thickness=problem.thickness)
@@ -363,7 +363,7 @@ def _look(
     nodes = ways[0].elastic.nodes
     drawn = project_to_surface(nodes, points)
     watched = drawn.interpolate(nodes, von_mises(fields[0].smooth))
-    # Of the face round it: at a corner that one element has to itself nobody disagrees.
+    # Of the face round it: at a corner that one element has to itself nothing disagrees.
     faces = nodes.faces[drawn.faces]
     rough = fields[0].scatter(np.unique(faces))[faces].max(axis=1)
     moved = np.full(len(watched), np.inf) if first else _moved(before[-1].watched, watched)
@@ -392,7 +392,7 @@ def _rounded(wanted: tuple[ArrayLike, Metre]) -> tuple[FloatArray, Metre]:
     """Return a point with the edge wanted there, to a nanometre and a thousandth.
 
     Threads add up in an order of their own, and the mesher lays another mesh for another last
-    digit: the same bracket is to be told the same.
+    digit: the same bracket is to get the same result.
     """
     point, edge = np.asarray(wanted[0], dtype=float), wanted[1]
     return point.round(9), float(f"{edge:.3g}")
@@ -431,7 +431,7 @@ def select_loads_of_highest_stress(
 
 @dataclass(frozen=True)
 class _Field:
-    """What the loads that tell most do to a solid held one way, on one mesh.
+    """What the most relevant loads do to a solid held one way, on one mesh.
 
     Attributes
     ----------
@@ -439,7 +439,7 @@ class _Field:
     smooth : (n, k, 6) Pa
         Stress at the nodes.
     level : (places, k) Pa
-        Von Mises stress where fatigue is asked.
+        Von Mises stress where fatigue is evaluated.
     edge : (places,) m
         Of the elements it is read from.
     could : (places, k) Pa
@@ -554,7 +554,7 @@ def _share_of_worst(
 
 
 class _ErrorGoal(NamedTuple):
-    """A stress whose error from afar is asked: of a feature or a watched point, at a node."""
+    """A stress whose error from elsewhere is sought: of a feature or a watched point, at a node."""
 
     feature: FeatureKey | None
     watched: int

@@ -7,7 +7,7 @@ on top. Flange and frame rub by Coulomb's law, from the tightened state on.
 The bracket floats: held at three points, so that forces in balance leave no reaction. Unit
 forces on patches of the plane, on the heads' faces and on the bearing are solved once; all that
 follows is small and dense: u = C q + R a, with q the forces, a the six rigid motions, and
-balance R^T q = 0. Forces that elasticity asks for and forces that contact and friction allow are
+balance R^T q = 0. Forces that elasticity requires and forces that contact and friction allow are
 sought in turns, each drawn to the other, until they are the same (alternating directions).
 
 How much a joint bears before it slips as a whole needs no elasticity: a load can be in balance
@@ -49,11 +49,12 @@ _COARSE = 0.5
 """Edge of a patch over a hole's diameter beyond a plate's thickness from the head.
 
 There it rubs too: as a bracket sways nearly half of what bolts press comes to lie there, and
-where it did not rub a joint was told to slide at little more than half of what friction bears.
+without friction there a joint was computed to slide at little more than half of what friction
+bears.
 """
 _STILL = 1e-6
 """Share of themselves that displacements may still move by: a thin sheet's floating have no more
-digits, and contact asks for fewer."""
+digits, and contact needs fewer."""
 _BATCH = 32
 """Unit forces solved at once: of 64 each takes a fifth less, and all half as much memory again."""
 _STUCK = 0.05
@@ -75,7 +76,7 @@ then within 1 % of that after any number of tries."""
 _HALVINGS = 7
 """By which the load is found that a joint bears, to a hundredth."""
 _TELLS = 0.25
-"""Share of what balance lets a joint bear, below which that is told: contact bears 0.8 of it."""
+"""Share of what balance lets a joint bear, below which it is reported: contact bears 0.8 of it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -235,7 +236,7 @@ class PreloadedFlange:
     def slip_utilisation(self, loads: ArrayLike) -> tuple[float, FloatArray]:
         """Return what share loads (9,) are of those along them under which it slips or opens.
 
-        Where balance bears more than four times as much that is told, which may be 0.8 of the
+        If balance bears more than four times as much that is reported, which may be 0.8 of the
         truth; else the load is found under which there is no contact.
 
         Returns
@@ -277,7 +278,7 @@ class PreloadedFlange:
         Raises
         ------
         NotConverged
-            If the programme finds no answer.
+            If the programme finds no solution.
         """
         from scipy.optimize import linprog
 
@@ -310,7 +311,7 @@ class PreloadedFlange:
 
 
 class _SelfEquilibratedLoads(NamedTuple):
-    """Forces (k,) N in balance that elasticity asks for, drawn towards others."""
+    """Forces (k,) N in balance that elasticity requires, drawn towards others."""
 
     firm: FloatArray
     inverse: FloatArray
@@ -411,7 +412,7 @@ def condense_bracket_to_flange_contact(
     bolts, upright, thickness
         Names of the rings, the axis square to their plane, and of the flange.
     read
-        From displacements (c, unknowns) to stress (places, c, 6) Pa where it is asked.
+        From displacements (c, unknowns) to stress (places, c, 6) Pa where it is evaluated.
 
     Raises
     ------

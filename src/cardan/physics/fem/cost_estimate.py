@@ -19,8 +19,9 @@ _ADDED = 35e3
 """Unknowns that bends, ribs and refinement where it is worst add to those of plain sheet, whatever
 its elements: on six brackets 14 to 57 thousand."""
 _BEHIND, _BOLTED = 3.0, 7.0
-"""Elements behind a triangle of a face that asks for smaller ones than the rest; in contact, whose
-heads are followed on each mesh: so unknowns of seven brackets are told to 0.73 to 1.28 of them."""
+"""Elements behind a triangle of a face that needs smaller ones than the rest; in contact, whose
+heads are followed on each mesh: so unknowns of seven brackets are estimated to 0.73 to 1.28 of
+them."""
 _PLACES = 0.12
 """Of the unknowns, places where stress in contact is kept: six numbers of four bytes a force, and
 as much again for the factors that solve for dozens of forces at once."""
@@ -55,7 +56,7 @@ class CostEstimate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelSize:
-    """A model as it is asked for.
+    """A model as it is requested.
 
     Attributes
     ----------
@@ -66,7 +67,7 @@ class ModelSize:
     degree
         Of their displacements.
     finer
-        Triangles of faces that ask for a smaller edge, washers above all.
+        Triangles of faces that need a smaller edge, washers above all.
     forces
         Between flange and frame, in contact.
     """
@@ -97,7 +98,7 @@ def estimate_cost(of: ModelSize) -> CostEstimate:
     sparse Cholesky factorisations of a sheet's stiffness, two of the last mesh, one for each way
     its flange is held: measured at 43, 72 and 260 thousand unknowns. In contact there is a third,
     for which these make room, and each force takes its time, solved for by dozens: 0.039 to 0.046 s
-    of a processor on seven shapes, and all else 29 to 49, each as of 72,705 unknowns, beside other
+    of a processor on seven shapes, and all else 29 to 49, each as of 72,705 unknowns, next to other
     work on two cores; alone a fifth less.
     """
     layers = max(of.thickness / of.element_size, 1.0)
@@ -122,7 +123,7 @@ def estimate_cost(of: ModelSize) -> CostEstimate:
 def check_affordable(model: ModelSize) -> CostEstimate:
     """Estimate a model, and refuse one that would take too much memory or time.
 
-    Washers and bends ask for elements by the sheet's thickness, however large those asked for are.
+    Washers and bends need elements by the sheet's thickness, however large those requested are.
 
     Raises
     ------

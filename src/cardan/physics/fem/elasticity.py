@@ -56,7 +56,7 @@ class ElasticSolid:
         Which displacements are not held.
     inverse
         The engine's factors of what is free, for few loads, or ours, for hundreds; where a
-        displacement is held beside free ones of its function the engine's let it go, and a load on
+        displacement is held next to free ones of its function the engine's let it go, and a load on
         it must be nil.
     """
 
@@ -151,7 +151,7 @@ class ElasticSolid:
         """Load vector (unknowns,) whose work on a displacement is a mean of its stress.
 
         `weights` (elements,) m^-3 are those of the elements' volume, `direction` (6,) what
-        of the stress is asked: the sum of its products with stress, shear counted twice.
+        of the stress is sought: the sum of its products with stress, shear counted twice.
         """
         ngs = import_ngsolve().ngs
         v = self.space.TestFunction()
@@ -217,7 +217,7 @@ class ElasticSolid:
         return found
 
     def _balances(self, found: FloatArray, loads: FloatArray) -> bool:
-        """Whether displacements (c, unknowns) balance their loads, told by one sum of them all.
+        """Whether displacements (c, unknowns) balance their loads, by one sum of them all.
 
         Each load as large as the others, its sign by chance: what they miss does not cancel.
         """
@@ -307,7 +307,7 @@ class ElasticSolid:
         for c in range(0, len(displacements), _FEW):
             few = slice(c, c + _FEW)
             G = read(displacements[few])
-            # Stress follows gradients in proportion, and so does its mean theirs.
+            # Stress follows gradients in proportion, and so does its mean their mean.
             mean = self._mean @ G.reshape(-1, G[0, 0].size)
             found[:, few] = stress_of_gradients(mean.reshape(-1, *G.shape[2:]), self.material)
         return found
@@ -363,7 +363,7 @@ class ElasticSolid:
     ) -> FloatArray:
         """How far the elements that meet at a node disagree on its stress, (n, c) Pa.
 
-        Of the nodes `at` which it is asked, by default of all; nil at others.
+        Of the nodes `at` which it is requested, by default of all; nil at others.
 
         The largest von Mises stress of what an element says, less the mean `smooth`
         (n, c, 6) Pa of them all: the estimate of Zienkiewicz and Zhu, Int. J. Numer. Meth.
@@ -564,7 +564,7 @@ def assemble_elastic_solid(
     degree
         Of the displacements in an element.
     tell
-        Is told what is being done.
+        Receives what is being done.
 
     Raises
     ------
@@ -639,7 +639,7 @@ def _blocks(stiffness: Any) -> Any:
 
 
 def _uncoupled(stiffness: Any, free: BoolArray) -> Any:
-    """Return a stiffness in which what is held beside what is free has no part in it.
+    """Return a stiffness in which what is held next to what is free has no part.
 
     Of a function whose displacements (functions, 3) are held in part the held ones keep their
     own diagonal alone: the factors leave out whole functions only.

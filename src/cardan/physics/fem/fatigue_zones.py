@@ -37,7 +37,7 @@ ZONE_SHEET, ZONE_CUT_EDGE, ZONE_WELD_TOE, ZONE_BOLT_BORDER = range(len(FATIGUE_Z
 NEAR_REFERENCE_POINT_RATIO, _FAR_REFERENCE_POINT_RATIO = 0.4, 1.0
 """Where the structural stress is read, in thicknesses from the toe."""
 _LOOKS = 6
-"""Places between the two readings where it is asked whether another toe is as near."""
+"""Places between the two readings where another toe may be as near."""
 _CORNER = -30 * deg
 """Faces that turn away from each other by more meet in a corner of the sheet, or in half of one
 that is broken: a chamfer's edges turn by 45 degrees each, to a drawing's last digits."""
@@ -112,7 +112,7 @@ class WeldAndClampLines:
 
 @dataclass(frozen=True)
 class FatigueZones:
-    """Every place of a surface where fatigue is asked: nodes by themselves, then points of lines.
+    """Places of a surface where fatigue is evaluated: nodes by themselves, then points of lines.
 
     Attributes
     ----------
@@ -164,7 +164,7 @@ class FatigueZones:
 def find_fatigue_zones(
     nodes: MeshNodes, *, held: tuple[str, ...], thickness: Metre
 ) -> FatigueZones:
-    """Return the places of a surface where fatigue is asked.
+    """Return the places of a surface where fatigue is evaluated.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def find_fatigue_zones(
     # Numbered over all the drawing has, so that a face keeps its number however it is held
     # and meshed.
     every_face = np.unique(nodes.face_numbers).tolist()
-    # However it is held: of a clamped plane, and of a welded end, nobody asks a bolt's border.
+    # However it is held: a clamped plane and a welded end need no border of a bolt.
     held_names = {str(n) for n in names[on_held]} - {MOUNT_FACE_NAME}
     bolts = sorted(
         {_bolt(n) for n in held_names if not n.startswith(WELDED_END_NAME_PREFIX)}, key=_counted

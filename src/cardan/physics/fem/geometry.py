@@ -209,7 +209,7 @@ def _named(face: Any, part: UShape | LShape) -> str:
     u = isinstance(part, UShape)
     half, top = (part.width if u else part.thickness) / 2 / mm, 0.0 if u else bore
     reach = np.abs(np.stack([low, high])).max(axis=0)
-    # The kernel's boxes are a little loose, so the seat is told by a tenth of a millimetre. A
+    # The kernel's boxes are a little loose, so the seat is found to a tenth of a millimetre. A
     # U's ends at the axis: the legs of a low one reach no farther than its round.
     if reach[0] < half + 0.1 and max(reach[1], -low[2]) < bore + 0.1 and high[2] < top + 0.1:
         return SEAT_FACE_NAME

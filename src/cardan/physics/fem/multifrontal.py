@@ -91,7 +91,7 @@ def multifrontal_cholesky(stiffness: Any, free: BoolArray) -> MultifrontalFactor
         laters.append(later[later >= end])
     sizes = [(end - first) * (end - first + len(later))
              for first, end, later in zip(starts, ends, laters, strict=True)]  # fmt: skip
-    # All in one piece: among what comes and goes beside them they would leave holes as large.
+    # All in one piece: among other blocks that come and go they would leave holes as large.
     factors = np.split(np.empty(sum(sizes)), np.cumsum(sizes[:-1]))
     left: dict[int, FloatArray] = {}  # by each part to those that are eliminated later
     done: list[_Front] = []

@@ -7,7 +7,7 @@ from cardan.core.errors import MissingDependencyError
 
 
 class NgSolveModules(NamedTuple):
-    """NGSolve, Netgen's door to the OpenCASCADE kernel, and its mesher."""
+    """NGSolve, Netgen's interface to the OpenCASCADE kernel, and its mesher."""
 
     ngs: Any
     occ: Any

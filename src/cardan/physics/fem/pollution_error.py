@@ -2,7 +2,7 @@
 
 By the reciprocal theorem the error of a stress at a place is the work that the error of the
 field does on that of a second one: the field in which the place itself is strained, by a unit
-of what is asked there. Both errors are told by stresses that jump from element to element.
+of what is sought there. Both errors are estimated from stresses that jump from element to element.
 Source: Cirak & Ramm, Comput. Methods Appl. Mech. Eng. 156 (1998) 351, after Zienkiewicz & Zhu.
 """
 
@@ -17,8 +17,9 @@ from cardan.physics.fem.meshing import shape_functions
 from cardan.physics.fem.stress import von_mises
 
 _UNSEEN = 1.5
-"""True over told: means over elements that meet are off themselves. 1.4 to 1.6 at a hole in a sheet
-of elements far wider than it is thick (`ellipse` of `tests/verify/test_bracket_maxima.py`)."""
+"""True over estimated: means over elements that meet are off themselves. 1.4 to 1.6 at a hole in a
+sheet of elements far wider than it is thick (`ellipse` of
+`tests/verify/test_bracket_maxima.py`)."""
 
 _UNSEEN_WHOLE = 3.0
 """The same of a whole field: at rims of washers elements see least of what they miss, up to 1 of
@@ -42,7 +43,7 @@ def pollution_error(
     smooth : (n, c, 6) Pa
         Their stress at the nodes, the mean of the elements that meet.
     goals
-        Node and case: whose stress is asked, the mean over the elements that meet there.
+        Node and case: whose stress is sought, the mean over the elements that meet there.
     """
     volumes = body.volumes.sum(axis=1)
     asked = sorted({c for _, c in goals})
@@ -83,7 +84,7 @@ def stiffness_error(body: ElasticSolid, fields: FloatArray, work: FloatArray) ->
     """Return the share (k,) by which a body may be too stiff against fields (k, unknowns).
 
     Their `work` (k,) is twice their energy. Elements are too stiff by that of what is wrong
-    with the field, which jumps of stress tell. Source: Strang & Fix, An Analysis of the Finite
+    with the field, which jumps of stress show. Source: Strang & Fix, An Analysis of the Finite
     Element Method (1973), chapter 6.
     """
     gaps = _gaps(body, fields, body.stress_at_nodes(fields))

@@ -52,7 +52,7 @@ def corner_round_element_size(face: Any, thickness: Metre) -> Metre:
 def cylinder_of_face(face: Any) -> Cylinder | None:
     """Return what cylinder a face is part of; None if of none.
 
-    The kernel tells no kinds of surfaces, so a surface is a cylinder where its normals at
+    The kernel gives no kinds of surfaces, so a surface is a cylinder where its normals at
     four places meet in one line, at one distance from it. A spline may go round with its second
     parameter, from 0 to 1.
     """

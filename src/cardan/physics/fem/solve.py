@@ -88,7 +88,7 @@ _SMALLER = (0.7, 0.45)
 
 @dataclass(frozen=True, kw_only=True)
 class SolveRequest:
-    """What is asked of the finite elements.
+    """What the finite elements are to compute.
 
     Attributes
     ----------
@@ -158,7 +158,7 @@ class ConstrainedBracketSolution:
         Share of the energy of each mode with what it carries that bends it, and no rubber.
     too_high : (k,) 1
         Share by which the natural frequencies by itself may be above those of finer elements; of
-        the clamped flange nobody asks it.
+        the clamped flange it is not computed.
     too_stiff : (3,) 1
         The same of the stiffness against each force; of the clamped flange neither.
     influence : (gauges, 9)
@@ -215,7 +215,7 @@ class SolvedBracket:
     found
         What a STEP file had where faces were picked.
     bolted : Bolted
-        Its flange in its bolts; None where that was not asked.
+        Its flange in its bolts; None if not requested.
     expected
         What was estimated beforehand.
     """
@@ -264,7 +264,7 @@ def solve_in_subprocess(task: SolveRequest, *, tell: StatusCallback) -> SolvedBr
                 solve_bracket, replace(task, shape=shape), tell=tell,
                 memory=MAX_MEMORY_BYTES, seconds=60 * MAX_SOLVE_MINUTES,
             )  # fmt: skip
-        except ChildProcessKilledError as error:  # which no smaller fillet mends
+        except ChildProcessKilledError as error:  # which no smaller fillet cures
             msg = f"solving this bracket was stopped: {error}; a larger `element_mm` takes less"
             raise DesignError(msg, about="bracket") from None
         except ChildProcessCrashedError as error:
@@ -378,7 +378,7 @@ def solve_bracket(task: SolveRequest, tell: StatusCallback) -> SolvedBracket:
 
     def seen(found: MeshSolution) -> None:
         units = _units(body, found, size)
-        if not read:  # now: a misplaced gauge is told at once
+        if not read:  # now: a misplaced gauge is reported at once
             read.append(gauge_influence_matrix(units, task.gauges))
         if (
             task.recovers_forces
@@ -413,7 +413,7 @@ def solve_bracket(task: SolveRequest, tell: StatusCallback) -> SolvedBracket:
     before, last = (of[:, :3] for of in read[-2:])
     changed = np.abs(last - before).max(axis=0, initial=0.0)
     if task.recovers_forces:
-        # How it is held is felt far from it, where any elements tell what it changes.
+        # How it is held is felt far from it, where any elements show what it changes.
         other = read[-1] + clamped.influence - sliding.influence
         glued = gauge_strain_error_by_misplacement(
             _units(body, done.final_solution, size), task.gauges
@@ -443,7 +443,7 @@ def solve_bracket(task: SolveRequest, tell: StatusCallback) -> SolvedBracket:
 
 
 def _asked_of_faces(body: BracketSolid, size: Metre, *, bolted: bool) -> float:
-    """Ask of some faces for edges below `size`; return how many triangles there will be on them."""
+    """Require edges below `size` on some faces; return how many triangles there will be on them."""
     finer = 0.0
     for face in body.shape.faces:
         edge = max_element_size_on_face(face, body.thickness)
@@ -456,7 +456,7 @@ def _asked_of_faces(body: BracketSolid, size: Metre, *, bolted: bool) -> float:
             finer += triangle_count(face.mass, edge)
         elif (
             small := corner_round_element_size(face, body.thickness)
-        ) < size:  # the mesher asks by itself
+        ) < size:  # the mesher does so by itself
             finer += triangle_count(face.mass, small)
     return finer
 
@@ -565,7 +565,7 @@ def _bolted(
 ) -> FlangeJointStressPlaces:
     """Return the flange's joint, and the places of either way held where its stress is read.
 
-    Those are the highest of each feature, under the loads that tell most; of the plane against the
+    Those are the highest of each feature, under the most relevant loads; of the plane against the
     frame none: what presses it is no crack's business.
     """
     ways, nodes = (

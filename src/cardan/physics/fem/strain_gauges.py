@@ -29,8 +29,8 @@ _BETWEEN, _NOTHING = 101, 1e-9
 """Flanges between the two that are tried; and the share of what gauges read that is nothing."""
 
 _ASTRAY = 0.45
-"""Of the sheet, how far off its surface a gauge's point may lie: in its middle nobody knows which
-side is meant."""
+"""Share of the sheet's thickness that a gauge's point may lie off its surface: in its middle the
+side is unknown."""
 
 
 def gauge_influence_matrix(
@@ -167,9 +167,9 @@ class RecoveredLoads:
         Strain by which each gauge may read a unit of each load wrong.
     unexplained : float
         Share of what gauges read that their loads do not explain, its part in the loads with it;
-        nothing where there are no more gauges than loads, and nobody knows.
+        nothing where there are no more gauges than loads, and it is unknown.
     flange : float
-        How it is held, between sliding, 0, and clamped, 1, as far as gauges can tell.
+        How it is held, between sliding, 0, and clamped, 1, as far as gauges show.
     held_off : (c, c)
         By how much each load may be off for a unit of each, for a flange held otherwise.
     """
@@ -188,8 +188,8 @@ class RecoveredLoads:
     def strain_error(self, size: FloatArray) -> FloatArray:
         """Return the strain (g,) by which gauges may read loads (c,) N wrong, each load by chance.
 
-        The more of what is foretold of each and what no load explains of all: of the same errors
-        the one tells before what the other tells after.
+        The more of what is predicted of each and what no load explains of all: of the same errors
+        the one shows before what the other shows after.
         """
         left = self.unexplained_share * np.sqrt(np.mean(((self.influence * size) ** 2).sum(axis=1)))
         return np.maximum(np.linalg.norm(self.influence_error * size, axis=1), left)
@@ -224,7 +224,7 @@ def recover_loads(
     Parameters
     ----------
     influence : (g, c)
-        Strain of each gauge under each unit load to be told apart, such as the first three
+        Strain of each gauge under each unit load to be distinguished, such as the first three
         columns of `influence`: loads of one kind, so that their gains compare.
     strains : (..., g)
         Readings, whatever came before them: a history, a set of cases.
@@ -236,7 +236,7 @@ def recover_loads(
     Raises
     ------
     DesignError
-        If the gauges are too few, or cannot tell the loads apart.
+        If the gauges are too few, or cannot separate the loads.
     """
     B, strains = np.asarray(influence, dtype=float), np.asarray(strains, dtype=float)
     gauges, loads = B.shape
@@ -283,9 +283,9 @@ def recover_loads(
 def recover_loads_and_flange_clamping(
     sliding: FloatArray, clamped: FloatArray, strains: FloatArray, *, unsure: FloatArray
 ) -> RecoveredLoads:
-    """Find loads by gauges on a flange held nobody knows how, between two ways.
+    """Find loads by gauges on a flange held in an unknown way, between two ways.
 
-    By that influence between theirs, (g, c) each, that leaves least of strains (t, g) unexplained;
+    By that influence between both, (g, c) each, that leaves least of strains (t, g) unexplained;
     where there are no more gauges than loads, or nothing moves, by the sliding one. `unsure` (g, c)
     is that of either. What is off by chance may look like another flange: by so much it may be.
     """
@@ -310,10 +310,10 @@ def _unread(influence: FloatArray) -> FloatArray:
 def correct_loads_for_flange_clamping(
     sliding: FloatArray, clamped: FloatArray, loads: FloatArray, *, unsure: FloatArray
 ) -> RecoveredLoads:
-    """Return loads (t, c) that somebody read by the sliding influence, and how they may be off.
+    """Return loads (t, c) that were read by the sliding influence, and how they may be off.
 
     He read the least load that gauges feel, and had the rest from elsewhere. What gauges read is
-    gone, so nobody knows what was left unexplained, or how the flange was held.
+    gone, so it is unknown what was left unexplained, or how the flange was held.
     """
     back = recover_loads(sliding, loads @ sliding.T, unsure=unsure)
     inverse = np.linalg.pinv(sliding, rcond=MIN_SENSITIVITY_SHARE_OF_STRONGEST_LOAD)

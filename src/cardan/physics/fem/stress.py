@@ -101,7 +101,7 @@ def max_normal_stress_swing_direction(stress: ArrayLike) -> FloatArray:
 
 
 def subsample_load_history(loads: ArrayLike, count: int) -> FloatArray:
-    """Return as many moments of a history (t, u) as told, spread over it without a rhythm."""
+    """Return as many moments of a history (t, u) as requested, spread over it without a rhythm."""
     loads = np.asarray(loads, dtype=float)
     if len(loads) <= count:
         return loads

@@ -44,7 +44,7 @@ class UnitSolutions:
     elastic : Elastic
     loads, displacements : (9, unknowns)
     size : float
-        Largest edge asked of the mesher, m.
+        Largest edge that the mesher may use, m.
     """
 
     solid: BracketSolid
@@ -169,7 +169,7 @@ def seat_unit_load_vectors(solid: ElasticSolid, *, face: str = SEAT_FACE_NAME) -
 
     The traction is linear over the face, t = a + b × r: a bearing bonded or pressed in,
     which pulls as it pushes. Its six numbers are such that resultant force and moment are
-    exactly those asked for, wherever the face lies.
+    exactly those required, wherever the face lies.
     """
     ngs = import_ngsolve().ngs
     x, y, z = ngs.x, ngs.y, ngs.z
