@@ -78,7 +78,7 @@ _MOST_STEPS = 1 << 13
 def eigenvalues(matrix: FloatArray | ComplexArray) -> ComplexArray:
     """Return the eigenvalues (..., n) of matrices (..., n, n), complex even where all are real.
 
-    Of a matrix that is not finite, of a case nobody solved, they are nan.
+    They are nan for a matrix that is not finite, of an unsolved case.
     """
     known = np.asarray(np.isfinite(matrix).all((-1, -2)))
     found = np.linalg.eigvals(np.where(known[..., None, None], matrix, 0.0))
@@ -186,7 +186,7 @@ def monodromy_matrix(system: PeriodicSystem, *, tolerance: float = 1e-10) -> Flo
     (..., 2m, 2m)
         State after a period over state before. Its determinant is `liouville_determinant`.
         nan in cases
-        whose coefficients are, beside others: one that has no answer ends nothing.
+        whose coefficients are, next to others: one without a solution ends nothing.
 
     Raises
     ------

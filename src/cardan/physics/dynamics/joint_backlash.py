@@ -1,6 +1,6 @@
 r"""Play in a joint: pins that leave one side of their bushes and strike the other.
 
-A joint with play is in one of two states: in contact, on the drive or the coast side, or
+A joint with play is in one of two states: in contact, on the drive or the overrun side, or
 in free flight. In contact the pin sinks δ into its bush and
 
 $$F = K\delta^n\left(1 + a\,\dot\delta/v_0\right),$$

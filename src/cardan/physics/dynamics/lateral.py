@@ -330,7 +330,7 @@ def misaligned_shaft_system(
         step = np.linalg.solve(full, left).reshape(q.shape)
         largest = np.abs(step).max((-1, -2), keepdims=True)
         q = q - step * np.minimum(1.0, 0.2 / np.maximum(largest, 1e-300))
-        # A case that leaves for a right angle has no answer; the others go on without it.
+        # A case that leaves for a right angle has no solution; the others go on without it.
         lost |= np.abs(q).max((-1, -2), keepdims=True) >= 0.7
         q = np.where(lost, 0.0, q)
         if np.all((largest < 1e-12) | lost):
@@ -418,7 +418,7 @@ class _Misaligned:
     def tangent(
         self, phase: FloatArray, q: FloatArray, v: FloatArray, w: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return M, C and K (..., s, 2, 2) of small motions beside a motion."""
+        """Return M, C and K (..., s, 2, 2) of small motions about a motion."""
         step, motion = 1e-30, (w, v, q)
         found: list[FloatArray] = []
         for k in range(3):

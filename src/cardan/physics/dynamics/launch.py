@@ -1,7 +1,7 @@
 r"""A vehicle from rest: its clutch or converter, its joints, its tyres, in time.
 
 The line of `branched` with its rotations counted from where it stands. Its springs and its
-mean damping are linear; what is not stands beside them: the joints (exactly, their angles
+mean damping are linear; the rest is separate: the joints (exactly, their angles
 following the axle as it winds up), and springs that hold only so much. Such a spring of
 stiffness k carries k e, and
 
@@ -75,9 +75,9 @@ class LaunchHistory:
 def spring_parallel_damping_matrix(
     line: TorsionalNetwork, found: TorsionalModes, *, slide: Sequence[int]
 ) -> FloatArray:
-    """Return a damping matrix (n, n) N m s/rad of dampers beside the springs of one case.
+    """Return a damping matrix (n, n) N m s/rad of dampers in parallel with the springs of one case.
 
-    As strong as to damp each mode as nearly as its parts do; none beside springs that `slide`,
+    As strong as to damp each mode as nearly as its parts do; none at springs that `slide`,
     whose torque is what they hold and no more.
     """
     from scipy.optimize import nnls
@@ -192,7 +192,7 @@ class _ContactState:
     slips: IntArray
     touches: IntArray
     moves: dict[int, FloatArray] = field(default_factory=dict[int, FloatArray])
-    """What takes (y, g, g') by a step of 2^k units, (B, m, m + 2 (n + H)): made when asked for."""
+    """What takes (y, g, g') by a step of 2^k units, (B, m, m + 2 (n + H)): made when needed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -250,7 +250,7 @@ class _LaunchSystem:
         self.tables: dict[bytes, list[FloatArray]] = {}
 
     def look(self, t: float, y: FloatArray, how: _ContactState) -> _StateObservation:
-        """Return what a state holds beside the linear line."""
+        """Return what a state holds in addition to the linear line."""
         line, joints, n = self.line, self.line.joints, self.line.size
         q, v, e = y[:, :n], y[:, n : 2 * n], y[:, 2 * n :]
         delta, slope, bend = _leads(self.leads(q[:, self.follows]), q[:, joints])
@@ -267,7 +267,7 @@ class _LaunchSystem:
             beside += carries[:, None] * self.strikes
             fast = fast + (touch * turned)[:, None] * self.by_play
             added[:, self.loose] = carries - self.hard * touch * turned
-        # Beside what all turns with, E, stands what each joint turns more than straight.
+        # In addition to the common rotation, E, each joint turns more than straight.
         across = more[..., None] * self.turned[n:]
         mass = np.repeat(self.straight[None], len(y), axis=0)
         mass[:, joints] += across

@@ -1,4 +1,4 @@
-r"""Running up and coasting down through a resonance: how high it gets, or whether it sticks.
+r"""Running up and running down through a resonance: how high it gets, or whether it sticks.
 
 `swept` is the exact response of an oscillator to an excitation whose frequency rises or
 falls steadily; `limited_power_run_up` lets the motor decide the speed, and `fates` says from every
@@ -29,7 +29,7 @@ def swept_response(
         Time times the natural frequency. Parameters broadcast against it.
     rate : (...) 1
         Rate of the excitation's frequency over the natural frequency squared; negative in
-        coast-down, not 0.
+        run-down, not 0.
     damping_ratio : (...) 1
         ζ, below 1.
     start : (...) 1
@@ -105,7 +105,7 @@ def passage(
         Size of the sweep rate, as for `swept`; broadcasts against `damping_ratio`.
     start : 1
         Frequency to start from, over the natural one. Below 1 the sweep rises to 2, above
-        1 it coasts down to standstill.
+        1 it runs down to standstill.
     """
     mu, zeta = np.broadcast_arrays(np.asarray(rate, float), np.asarray(damping_ratio, float))
     span = 2.0 - start if start < 1 else -start
@@ -207,7 +207,7 @@ def limited_power_run_up(
     At half the torsional frequency the joint pumps the motor's power into vibration:
     with too little of it the speed sticks there (Sommerfeld's effect). With more it may
     stick at the frequency itself, where the joint shakes it up parametrically; whether it
-    does depends on the `start_angle` rad of the driving yoke, so ask `fates`.
+    does depends on the `start_angle` rad of the driving yoke, so use `fates`.
     """
     from scipy.integrate import solve_ivp
 

@@ -70,7 +70,7 @@ class ZeroContour:
     pieces : (pieces, 2, 2)
         Start and end of each piece, x and y.
     evaluations
-        How often the margin was asked.
+        How often the margin was evaluated.
     cell : (2,)
         Width and height of the finest cells.
     """
@@ -314,9 +314,9 @@ def find_zeros(
     start: int = 200,
     tolerance: float = 1e-10,
 ) -> FloatArray:
-    """All zeros (zeros,) of a margin along one parameter that `start` samples can tell apart.
+    """All zeros (zeros,) of a margin along one parameter that `start` samples can separate.
 
-    Beside samples that are nan, which nobody could solve, none is looked for.
+    None is looked for next to samples that are nan, which could not be solved.
     """
     grid = np.linspace(*between, start + 1)
     value = np.asarray(margin(grid))

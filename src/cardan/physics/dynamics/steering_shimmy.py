@@ -113,7 +113,7 @@ class Steering:
 
     def gap(self, z: FloatArray) -> tuple[float, float, float]:
         """Return g rad, g' rad/s and φ' of a state (12,), at the column."""
-        # `torsion.output_angle_derivatives` of one number: this is asked a million times.
+        # `torsion.output_angle_derivatives` of one number: this is called a million times.
         r = tan(self.beta / 2) ** 2
         turned = self.ratio * float(z[4])
         u, u0 = 2 * (turned + self.pin), 2 * self.pin

@@ -11,7 +11,7 @@ Rotors and springs are constants in z, whatever they branch to: a spring's twist
 ratio for each rotation it hangs on (an axle's, a differential's). Its torque is k y·z, and
 motion follows from F'ᵀ (M z̈ + C ż + K z - f) = 0, F' = ∂z/∂q: exact, and linear but for δ.
 
-A spring may have a loss factor (hysteresis), a damper beside it, and relax in τ: a tyre is its
+A spring may have a loss factor (hysteresis), a damper in parallel, and relax in τ: a tyre is its
 longitudinal stiffness in series with the damper that its slip is, σ/V apart.
 
 Derived; the modes are confirmed by a torsion package (`make oracle`), the forced motion by
@@ -152,7 +152,7 @@ def torsional_modes(line: TorsionalNetwork) -> TorsionalModes:
     scaled = np.linalg.solve(lower, np.swapaxes(np.linalg.solve(lower, K), -1, -2))
     vectors = np.linalg.eigh((scaled + np.swapaxes(scaled, -1, -2)) / 2)[1]
     shape = np.linalg.solve(np.swapaxes(lower, -1, -2), vectors)
-    # The stiffest spring leaves its rounding in every mode: a quotient of their own mends it.
+    # The stiffest spring leaves its rounding in every mode: their own quotient corrects it.
     twist = np.einsum("si,...im->...sm", line.springs @ E, shape)
     frequency = np.sqrt(np.einsum("...s,...sm->...m", line.stiffness, twist**2))
     frequency[..., 0] = 0.0

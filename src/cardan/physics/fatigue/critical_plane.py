@@ -18,7 +18,7 @@ from cardan.physics.fatigue.rainflow_kernels import compiled_repeating_signal_cy
 PLANE_COUNT = 36
 """Planes tried at each place, 5 degrees apart: of shear at most 0.4 % is missed."""
 _PRINCIPAL_LOAD_DIRECTIONS = 3
-"""Ways in which loads vary most: along these and between them those moments are sought that tell
+"""Ways in which loads vary most: along these and between them those moments are sought that show
 how far stress swings."""
 MIN_FULL_COUNT_DAMAGE_SHARE = 1e-3
 """Share of the worst damage below which the largest cycle alone is counted."""
@@ -34,14 +34,14 @@ counted, and from the worst on so many to either side until none is worse."""
 _MIN_WAVE_AMPLITUDE_RATIO, _MAX_SEPARATE_ORDERS = 1e-6, 4
 """Share of the largest wave below which one is none; and how many are few."""
 CYCLE_SIZE_LEVEL_COUNT = 16
-"""Shares of a reach by which cycles are told apart."""
+"""Shares of a reach by which cycles are distinguished."""
 _MAX_ELLIPSOID_ITERATIONS, _ELLIPSOID_TOLERANCE = 200, 0.01
 """Of the search for an ellipsoid at most; and how near it is enough."""
 _CACHE_BLOCK_NUMBERS, _MEMORY_BLOCK_NUMBERS = 200_000, 4_000_000
 """Numbers that stay near a processor: extremes of few moments are found five times as fast. And
 numbers held at once of a long history, whose moments are counted one by one."""
 _LONG_HISTORY_SAMPLES = 1000
-"""Moments of a long history; and of one twice as long those of which extremes are asked first."""
+"""Moments of a long history; and of one twice as long those whose extremes are evaluated first."""
 
 CycleDamageFunction: TypeAlias = Callable[[FloatArray, FloatArray, IntArray], FloatArray]
 """From amplitude and mean of cycles (k, ...) Pa, at places numbered (k,), to damage of each."""
@@ -56,7 +56,7 @@ class LoadHistory:
     loads : (places, t, c)
         One pass; of as many `places` only the worst happens.
     repeats
-        Passes in whatever damage is asked of: a second, the life.
+        Passes in the time that damage refers to: a second, the life.
     scale : (m,) or one
         By how much what it stresses is more, at each place, than its unit stresses make it.
     """
@@ -80,7 +80,7 @@ def rainflow_of_repeating_signals(signals: ArrayLike) -> tuple[FloatArray, Float
     rows, t = x.shape
     start = x.argmax(axis=1)
     if (close := compiled_repeating_signal_cycle_counter()) is not None:
-        # Cycle by cycle: most rows have few, and memory that nobody writes costs nothing.
+        # Cycle by cycle: most rows have few, and memory that is not written costs nothing.
         amplitude, mean = np.zeros((2, t // 2 + 2, rows)).mT
         most = close(x, start, amplitude, mean)
         return amplitude[:, :most], mean[:, :most]
@@ -157,8 +157,8 @@ def normal_stress_on_planes(unit: ArrayLike, directions: ArrayLike) -> FloatArra
 def mean_and_amplitude(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return mean and amplitude (m, planes) Pa of unit stresses (m, planes, c) under loads (t, c).
 
-    Of the whole history: its largest cycle. Of a long one the moments that go farthest are asked
-    first, and all of them where one of the others may go farther.
+    Of the whole history: its largest cycle. Of a long one the moments that go farthest are
+    evaluated first, and all of them where one of the others may go farther.
     """
     every = stress.reshape(-1, stress.shape[-1])
     top, low = (of.reshape(stress.shape[:2]) for of in _stress_extremes(every, loads))
@@ -180,7 +180,7 @@ def _stress_extremes(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray,
 
 
 def _stress_extremes_of_all(stress: FloatArray, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the same, asked of every moment."""
+    """Return the same, evaluated at every moment."""
     top, low = np.empty((2, len(stress)))
     for rows in _row_blocks(len(stress), len(loads)):
         history = loads @ stress[rows].T  # moments in rows: extremes of many planes at once
@@ -268,7 +268,7 @@ def load_envelope(passes: FloatArray, worth: FloatArray | float = 1.0) -> LoadEn
     middle, held, far = _enclosing_ellipsoid(passes.reshape(-1, passes.shape[-1]), worth)
     if (
         len(far) > CYCLE_SIZE_LEVEL_COUNT * cycles[-1]
-    ):  # few orders in many samples are told better by these
+    ):  # few orders in many samples are found better by these
         return LoadEnvelope(middle, (held,), cycles)
     level = np.minimum(np.ceil(far * CYCLE_SIZE_LEVEL_COUNT).astype(int), CYCLE_SIZE_LEVEL_COUNT)
     return LoadEnvelope(

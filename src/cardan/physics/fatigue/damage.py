@@ -52,7 +52,7 @@ def omission_level(
     damage
         That is not reached.
     crest : Pa
-        Farthest from nought that the stress gets; the range is sought from 2e-4 of it on.
+        Farthest from zero that the stress gets; the range is sought from 2e-4 of it on.
     """
     if not (damage > 0 and crest > 0):
         return 0.0

@@ -21,7 +21,7 @@ def stress_ratio_corrected_amplitude(amplitude: ArrayLike, mean: ArrayLike) -> F
     """Amplitude (...) Pa of the same damage at R = 0.5, for edges without residual stress.
 
     f(R) = 1.6 below R = -1, 1.2 - 0.4 R to R = 0.5, 1 above. Source: Hobbacher, IIW
-    Recommendations (2016), section 3.5.1, case I; quoted from memory, not re-read.
+    Recommendations (2016), section 3.5.1, case I; quoted, unverified.
     """
     a, m = np.asarray(amplitude, dtype=float), np.asarray(mean, dtype=float)
     top = m + a

@@ -89,7 +89,7 @@ class FormResult:
     importance : (n,) 1
         Share of β² each quantity carries; sums to 1.
     sampled
-        Whether dice met it, and it is no design point: then Φ(-β) tells nothing.
+        Whether Monte Carlo met it, and it is no design point: then Φ(-β) means nothing.
     """
 
     beta: float
@@ -158,7 +158,7 @@ def first_order_reliability(
         if not (math.isfinite(size2) and size2 > 0) or u @ u > beyond**2:
             break
         towards = (slope @ u - g) / size2 * slope - u
-        # Where no step leads nearer, this is all that differences tell.
+        # Where no step leads nearer, this is all that differences show.
         near = max(tolerance, MIN_DESIGN_POINT_TOLERANCE_STD) if stuck else tolerance
         if np.linalg.norm(towards) < near and abs(g) < 1e-8 * scale:
             beta = sign * float(np.linalg.norm(u))
@@ -251,7 +251,7 @@ def find_failure_mode_design_points(
     away = np.linalg.norm(planes, axis=-1)
     for k in np.argsort(away, kind="stable"):
         if away[k] < far and len(found) < most and _is_new_failure_mode(planes[k], found):
-            seek(planes[k], 30)  # such a plane is near, or between two ways and tells neither
+            seek(planes[k], 30)  # such a plane is near, or between two ways and shows neither
     if found:
         return tuple(sorted(found, key=lambda f: f.beta))
     return tuple(o for o in (_nearest_sampled_failure(limit, variables),) if o and o.beta < far)
@@ -260,7 +260,7 @@ def find_failure_mode_design_points(
 def _nearest_sampled_failure(
     limit: LimitState, variables: Sequence[RandomVariable], *, draws: int = 512
 ) -> FormResult | None:
-    """Return the nearest failure that dice twice as wide meet; None where they meet none."""
+    """Return the nearest failure that samples twice as wide meet; None where they meet none."""
     u = 2 * np.random.default_rng(0).standard_normal((draws, len(variables)))
     fails = u[limit(_values(u, variables)) < 0]
     if not len(fails):
@@ -391,7 +391,7 @@ def sn_limit_state(*, slope: float, load: float) -> LimitState:
     """Limit state ln(A Δ / (B^m N E[S^m])) of an S-N curve, x = (A, Δ, B).
 
     A: cycles times stress^m the material bears; Δ: damage at failure; B: what the stress
-    scale is wrong by; `load`: N E[S^m] of the life asked for. In logs it is linear, so FORM
+    scale is wrong by; `load`: N E[S^m] of the required life. In logs it is linear, so FORM
     is exact for lognormals. Source: Wirsching, J. Struct. Eng. 110 (1984).
     """
 

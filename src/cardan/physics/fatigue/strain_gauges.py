@@ -95,7 +95,7 @@ def plane_stress_of_rosette(
     Raises
     ------
     ValueError
-        If the angles do not tell the three strains apart.
+        If the angles do not separate the three strains.
     """
     e = np.asarray(strains, dtype=float)
     c, s = np.cos(angles), np.sin(angles)
@@ -116,7 +116,7 @@ def signed_mises(stress: PlaneStress, *, along: FloatArray | None = None) -> Flo
     """Von Mises stress with the sign of the larger principal stress, (...) Pa.
 
     Good where direction and biaxiality hardly move; else count on planes. Shear has no larger one,
-    and what little stands beside it would turn the sign: then that of the stress `along` (3,) the
+    and what little is added to it would turn the sign: then that of the stress `along` (3,) the
     way it mostly swings, `swinging`.
     """
     a, b, c = (1.0, 1.0, 0.0) if along is None else along
@@ -152,7 +152,7 @@ def abs_max_principal(stress: PlaneStress) -> FloatArray:
 
 @dataclass(frozen=True, kw_only=True)
 class StrainGauge:
-    """A place on the part: the channels that tell its stress, and how.
+    """A place on the part: the channels that give its stress, and how.
 
     Attributes
     ----------

@@ -26,7 +26,7 @@ from cardan.core.units import Pascal
 from cardan.physics.fatigue.rainflow import significant_reversals
 
 MIN_LOOP_RANGE_RATIO = 1e-3
-"""Range over the largest below which no loop is followed: it costs nothing beside others."""
+"""Range over the largest below which no loop is followed: it costs nothing next to others."""
 HYSTERESIS_CURVE_TABLE_STEP_COUNT = 8192
 """Steps of the doubled curve that is looked up; between them it is straight to 1e-7."""
 

@@ -2,7 +2,7 @@
 
 A line excites its ends in three ways: torsionally, by what its pinion does at constant
 gearbox speed; and by the inertia of its own shafts, driven from the gearbox (drive) or
-from the axle (coast). Each is given as the angle of the one joint that would do the same,
+from the axle (overrun). Each is given as the angle of the one joint that would do the same,
 and as an angular acceleration.
 
 Exactly, members turn as the phasors of `cardan.physics.kinematics.joint_chain` say. AE-7 adds the
@@ -36,7 +36,7 @@ PEAK_SEARCH_STARTS, PEAK_SEARCH_STEPS = 8, 5
 """Angles of half a turn to seek peaks from, at small phasors; steps that reach them."""
 
 MAX_HIGHER_HARMONIC_SHARE, THREE_HARMONIC_NEWTON_STEPS = 0.1, 2
-"""Share of the first sine that the others may bend by for two peaks beside its own; steps that
+"""Share of the first sine that the others may bend by for two peaks next to its own; steps that
 reach those of three terms, each squaring what is left."""
 
 PEAK_SEARCH_BLOCK_CASES = 2048
@@ -149,7 +149,7 @@ def excitation_of_rotating_chain(
     turn
         The line, from `chain.turn`; its samples do not matter.
     speed : (...) rad/s
-        Speed of the gearbox, or in coast of the pinion.
+        Speed of the gearbox, or in overrun of the pinion.
     inertias : (..., n-1) kg m²
         Polar mass moment of inertia of each shaft.
 
@@ -184,7 +184,7 @@ def excitation_of_rotating_chain(
 def shaft_inertia_torques(
     turn: ChainRotation, *, speed: ArrayLike, inertias: ArrayLike
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the torques to accelerate the shafts, in drive and in coast, (...) N m.
+    """Return the torques to accelerate the shafts, in drive and in overrun, (...) N m.
 
     Arguments are those of `excitation`.
     """
@@ -219,7 +219,7 @@ def ae7_excitation(
     $$P_j = \sum_{k \le j} s_k D_k^2, \quad D = \beta_h + i \beta_v, \quad
       \text{angle} = \sqrt{|P|}, \quad \text{acceleration} = \omega^2 |P|$$
 
-    with P_n for the pinion, Σ P_j over the shafts in drive and Σ (P_j - P_n) in coast, which
+    with P_n for the pinion, Σ P_j over the shafts in drive and Σ (P_j - P_n) in overrun, which
     is (n-k) and (k-1) times s_k D_k² joint by joint.
 
     Parameters
@@ -236,7 +236,7 @@ def ae7_excitation(
 
     Notes
     -----
-    The weights of drive and coast take all shafts for equally heavy; the torques do not.
+    The weights of drive and overrun take all shafts for equally heavy; the torques do not.
     Source: SAE AE-7, p. 50; odd yoke phases derived, confirmed against the exact chain.
     """
     xp, side, top, phases, speed = array_library_and_floats(side, top, phases, speed)
@@ -421,11 +421,11 @@ def _crest(E: Any, J: Any) -> Any:
     """Return the largest sums (C,) of phasors (members, C) by weights (members, C or 1).
 
     The sum is -4 Im Σ k c_k z^k, c_k = Σ J E^k. Where the bends of all beyond c₁ are smaller
-    than its own there is one peak on either side, beside those of c₁ z; Σ k³ e^k from k = 2
+    than its own there is one peak on either side, next to those of c₁ z; Σ k³ e^k from k = 2
     on is below 8 e²/(1 - e)⁴. Three terms lead there but for a hundred thousandth, and the
     parabola that touches the sum itself has its height to rounding. Else peaks are followed
     uphill from several z at once, because which of two of nearly equal height is the higher
-    cannot be told beforehand.
+    cannot be known beforehand.
     """
     xp = array_namespace(E)
     e2 = _square(E)
@@ -459,7 +459,7 @@ def _blocks(count: int, size: int) -> list[slice]:
 
 
 def _plain(E: Any, J: Any, *, first: Any, most: Any) -> Any:
-    """Return the sums at peaks beside those of the `first` term (C,), of sizes `most` (C,)."""
+    """Return the sums at peaks next to those of the `first` term (C,), of sizes `most` (C,)."""
     xp = array_namespace(E)
     x = E * (1j * xp.conj(first) / xp.where(most > 0, most, 1.0))
     square = x * x

@@ -200,7 +200,7 @@ def max_acceleration(beta: ArrayLike) -> FloatArray:
     """Largest acceleration of the driven shaft over ω₁², (...) 1, at constant input speed.
 
     At cos 2θ = sin²β (2 - cos² 2θ) / (2 - sin²β), the quadratic solved exactly.
-    `MAX_ACCELERATION_FORMULAS` has the approximations beside it. Source: ITIS Omar, eq. 4 and 5.
+    `MAX_ACCELERATION_FORMULAS` has the approximations to it. Source: ITIS Omar, eq. 4 and 5.
     """
     return _acceleration_at(beta, _peak_cos)
 
@@ -268,7 +268,7 @@ MAX_ACCELERATION_FORMULAS: dict[str, Callable[[ArrayLike], FloatArray]] = {
 }
 """Largest acceleration over ω₁² by name: exact, and as the field approximates it.
 
-`omar_eq6` and `at_45_deg` (ITIS Omar) evaluate the exact curve beside its peak, so they
+`omar_eq6` and `at_45_deg` (ITIS Omar) evaluate the exact curve next to its peak, so they
 never exceed it; `small_angle` is AE-7's ω² β².
 """
 

@@ -187,7 +187,7 @@ def rotate_chain(
         straight up or down.
     phases : (..., n-1) rad
         Yoke phase of each shaft: from the driven pin axis at its front to the driving pin
-        axis at its rear, right-handed about the shaft. Beside a joint of constant velocity
+        axis at its rear, right-handed about the shaft. At a joint of constant velocity
         only the sum of the phases on its two sides counts.
     crosses : (n,)
         1 for a cross, 0 for a joint of constant velocity (Rzeppa, tripod, double cardan with

@@ -134,7 +134,7 @@ def bearing_forces(
         Of the gearbox output, signed both: below 0 it turns backwards.
     held
         How the line can move on its rubber (`mounted_line`), close to that layout; None takes
-        bearings as rigid, and asks for no masses.
+        bearings as rigid, and needs no masses.
     inertias : (..., n-1) kg m²
         Polar inertias of the shafts; None leaves their torque out.
     gravity : m/s²
@@ -327,7 +327,7 @@ def joint_forces(
 
 
 class _JointCompatibility:
-    """What a line's motion asks of its joints: rows of `cut` that nothing moves along.
+    """What a line's motion requires of its joints: rows of `cut` that nothing moves along.
 
     N of its coordinates are the line's own; `rows` are the 3 n of the breaks.
     """
@@ -349,7 +349,7 @@ class _JointCompatibility:
         torque: ArrayLike | None = None,
         each: bool = False,
     ) -> ComplexArray:
-        """Return what a motion (..., N) at an order of the speed asks, (..., 3 n) N."""
+        """Return what a motion (..., N) at an order of the speed requires, (..., 3 n) N."""
         T = self.torque if torque is None else np.asarray(torque, dtype=float)
         K = self.cut.dynamic_stiffness(order * self.speed, self.speed, T)[..., self.rows, :][
             ..., self.own
@@ -390,7 +390,7 @@ def loads_of_turning_line(
     """Return a line's turn as torque twists its shafts, and what it carries on rigid bearings."""
     under = line.phases_under_torque(phases, torque)
     turned = rotate_chain(layout.directions, phases=under, crosses=line.is_cross, samples=16)
-    # Who turns uniformly, engine or wheels, makes a difference of the angle squared.
+    # Which end turns uniformly, engine or wheels, makes a difference of the angle squared.
     return turned, joint_loads(
         layout,
         turned,

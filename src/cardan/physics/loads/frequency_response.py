@@ -3,7 +3,7 @@
 The algebra of `cardan.physics.loads.rubber_mount`.
 
 Matrices (N, N, ...) and vectors (N, ...) have their cases last (`cardan.core.batched_linalg`):
-lines have few coordinates, and are asked at thousands of speeds.
+lines have few coordinates, and are evaluated at thousands of speeds.
 """
 
 from typing import Any, TypeAlias

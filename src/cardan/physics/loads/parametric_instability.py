@@ -54,7 +54,7 @@ def two_mode_growth(
 def line_swing_growth_rate(
     on: MountedLine, swing: ComplexArray, *, speed: ArrayLike, torque: ArrayLike
 ) -> FloatArray:
-    """Return the largest growth λ of a line's swinging, (...) 1/s; below 0 it dies away.
+    """Return the largest growth λ of a line's swinging, (...) 1/s; below 0 it decays.
 
     Parameters
     ----------

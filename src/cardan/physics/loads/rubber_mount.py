@@ -1,6 +1,6 @@
 r"""A line on its rubber: how it moves and what its bearings carry when it is shaken.
 
-Statics (`cardan.physics.loads.statics`) tells what a rigid support would feel. A centre bearing
+Statics (`cardan.physics.loads.statics`) gives the forces on a rigid support. A centre bearing
 hangs in rubber, so the line has modes of 8 to 25 Hz, and what comes twice a turn crosses them at a
 few hundred revolutions a minute, in first gear.
 
@@ -283,7 +283,7 @@ class MountedLine:
 
         In the layout's frame, as the forces; `each` of several, (..., R, n-2, 3). `lossy` (...)
         is 1 where the rubber's loss counts, 0 where nothing shakes. What it gives along the shaft
-        is left out, and so is a bracket that is told apart.
+        is left out, and so is a bracket that is given separately.
         """
         frame, gives = (
             self.bearing_frame,
@@ -485,7 +485,7 @@ class MountedLine:
 
     @property
     def _others(self) -> tuple[str, ...]:
-        """What gives beside rubber and tubes."""
+        """What is flexible besides rubber and tubes."""
         return tuple(n for n in ("brackets", "flanges") if getattr(self, n) is not None)
 
     @cached_property
@@ -676,7 +676,8 @@ class MountedLine:
         whole = rubber + bent + others["brackets"] + others["flanges"]
         whole = np.where(whole > 0, whole, 1.0)
         across = moves.reshape(*moves.shape[:-1], -1, 3)
-        # Vertical, level and along: the way that has most of it tells how the bearings go.
+        # Vertical, level and along: the direction with the largest part shows how the bearings
+        # move.
         ways = energy.sum(-2) / np.where(rubber > 0, rubber, 1.0)[..., None]
         chief = ways.argmax(axis=-1)[..., None, None]
         travel = np.take_along_axis(across, chief, axis=-1)[..., 0]

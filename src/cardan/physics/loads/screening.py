@@ -93,7 +93,7 @@ class AxleTravelByTorque:
 
     @property
     def nodes(self) -> tuple[tuple[float, float], ...]:
-        """Rides (x, y), -1 to 1, at which the line's angles are asked."""
+        """Rides (x, y), -1 to 1, at which the line's angles are evaluated."""
         if not self.has_motion:
             return _ALONG[1:2]
         return (*_ALONG, *_BESIDE) if self.away.any() else _ALONG
@@ -281,7 +281,7 @@ class BearingForceScreeningModel:
         return found, ShaftReachIntoObstacles(reach=reach)
 
     def without_obstacles(self) -> "BearingForceScreeningModel":
-        """Return the same line with nothing in its way: what nobody reads is not computed."""
+        """Return the same line with nothing in its way: what is not read is not computed."""
         return replace(
             self,
             clearance=tuple(v[:0] for v in self.clearance),

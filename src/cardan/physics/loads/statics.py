@@ -117,7 +117,7 @@ def joint_loads(
         Gives each bearing's place on its shaft, the axial freedom, and the masses.
     torque : (...) N m
         Torque of the gearbox output on the line, the same all round the turn; negative in
-        coast.
+        overrun.
     inertias : (..., n-1) kg m²
         Polar inertias of the shafts, where speeding them up is to count.
     accelerations : (..., n, N) rad/s²
@@ -127,7 +127,7 @@ def joint_loads(
     speed : (...) rad/s
         Of a gearbox that turns uniformly, in place of `accelerations`: no angle is sampled.
     highest
-        The last order then told.
+        The last order then reported.
     gravity : m/s²
         Pulls tubes and yokes down; 0 leaves weight out.
     thrust : (...) N
@@ -141,7 +141,7 @@ def joint_loads(
     -------
     Loads
         Orders 0 and 2, exactly; with `inertias` up to N/2, or to `highest`. Each contribution is
-        linear, so torque, weight and thrust can be told apart.
+        linear, so torque, weight and thrust can be separated.
 
     Notes
     -----
@@ -205,7 +205,7 @@ def bearing_forces_of_weight_and_thrust(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the forces on the bearings of weight and of 1 N of thrust, (..., n-2, 3) N each.
 
-    As `joint_loads` has them without a torque, and without asking how the line turns. With the
+    As `joint_loads` has them without a torque, and without how the line turns. With the
     weight stands what flexible discs resist their angles with.
     """
     two = np.zeros((2, 1)), np.zeros((2, 1))
@@ -343,7 +343,7 @@ def _carried(
     """Return the forces that hold every shaft still, order by order.
 
     The crosses' `moments` (..., n, K, 3), forces on both `ends` of the shafts, through
-    their joint centres, and the `thrust` (..., K, 1) in the sliding fit ask for forces
+    their joint centres, and the `thrust` (..., K, 1) in the sliding fit require forces
     (..., n, K, 3) of the joints on the members behind them and (..., n-2, K, 3) of the
     shafts on their bearings.
     """
@@ -413,7 +413,7 @@ def spline_slip_force(
 
 @dataclass(frozen=True)
 class UnbalanceForces:
-    """Forces once a turn whose place on the shaft nobody knows: their sizes at worst.
+    """Forces once a turn whose place on the shaft is unknown: their sizes at worst.
 
     Attributes
     ----------

@@ -173,7 +173,7 @@ def _mesh(beams: BeamModel, elements: int) -> tuple[list[_Element], list[FloatAr
     bearings: list[FloatArray] = []
 
     def sprung(stiffness: FloatArray, unit: FloatArray) -> FloatArray:
-        """Return how a spring (..., 2) N/m lets its place move, beside a shaft's `unit` N/m."""
+        """Return how a spring (..., 2) N/m lets its place move, over a shaft's `unit` N/m."""
         way, unit = next(free), unit[..., None]
         slack = (1 + stiffness / unit) ** -0.5
         bearings.append(np.sqrt(unit * (1 - slack**2))[..., None] * way)

@@ -121,7 +121,7 @@ def life_consumption_rate(
     Notes
     -----
     Sources: the exponents ISO 281; A of Rzeppa joints Seherr-Thoss et al. (2006), ch. 4,
-    quoted from memory; the tripod's angle derived from its rollers' travel.
+    quoted, unverified; the tripod's angle derived from its rollers' travel.
     """
     _, M, n, beta, K1 = array_library_and_floats(torque, speed, angle, prime_mover_factor)
     rated = rated_torque_if_life_computable(size)

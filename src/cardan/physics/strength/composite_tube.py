@@ -234,7 +234,7 @@ def _case(
 ) -> tuple[float, float]:
     """Return the least torques over all numbers of waves, forward and backward, N m.
 
-    Of places and weights, and of stiffnesses, as their bytes: the same tube is asked about
+    Of places and weights, and of stiffnesses, as their bytes: the same tube is computed
     again at every state, point and page, and takes 50 ms.
     """
     z, weight = np.frombuffer(through).reshape(2, -1, 3)

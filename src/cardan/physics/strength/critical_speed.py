@@ -222,7 +222,7 @@ def campbell_diagram(
     flexibility, V = np.linalg.eigh(system.flexibility)
     speeds = np.asarray(speeds, dtype=float)[:, None, None]
     G = speeds * (V[..., 0, :, :].mT @ system.gyroscopic @ V[..., 1, :, :])[..., None, :, :]
-    # K - ω² M + ω Ω G = 0 is linear in 1/ω, with ω √M x beside x.
+    # K - ω² M + ω Ω G = 0 is linear in 1/ω, with ω √M x next to x.
     root = np.sqrt(np.maximum(flexibility, 0.0))[..., None, :, :, None] * np.eye(G.shape[-1])
     vertical, lateral = (np.broadcast_to(root[..., k, :, :], G.shape) for k in (0, 1))
     zero = np.zeros_like(G)

@@ -145,7 +145,7 @@ def tube_fatigue_utilisation(
     Parameters
     ----------
     highest, lowest : (...) N m
-        Ends of the swing: drive torque, and 0 or coast torque, which is negative.
+        Ends of the swing: drive torque, and 0 or overrun torque, which is negative.
     outer, inner : (...) m
     fatigue_shear : (...) Pa
         Amplitude endured for ever about zero: of the weld, where there is one.
@@ -184,7 +184,7 @@ def joint_fatigue_utilisation(
     Parameters
     ----------
     highest, lowest : (...) N m
-        Ends of the swing: drive torque, and 0 or coast torque, which is negative.
+        Ends of the swing: drive torque, and 0 or overrun torque, which is negative.
     reversing : (...) N m
         Tdw, carried for ever from −Tdw to Tdw.
     pulsating : (...) N m
@@ -221,7 +221,7 @@ def bearing_cup_pressure(force: ArrayLike, *, diameter: ArrayLike, length: Array
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointTorqueAndDutyDemand:
-    """What a joint is asked for: a torque to survive, and a duty cycle to live through.
+    """What a joint has to bear: a torque to survive, and a duty cycle to live through.
 
     Attributes
     ----------
@@ -274,8 +274,8 @@ def joint_size_utilisations(size: JointSize, demand: JointTorqueAndDutyDemand) -
 def smallest_joint_size(sizes: Iterable[JointSize], demand: JointTorqueAndDutyDemand) -> JointSize:
     """Return the joint of the least life rating that no demand is too much for.
 
-    Joints whose catalogue publishes no peak torque or no life rating are passed over: nobody
-    could say whether they carry it.
+    Joints whose catalogue publishes no peak torque or no life rating are passed over: it
+    is unknown whether they carry it.
 
     Raises
     ------

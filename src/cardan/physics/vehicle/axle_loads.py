@@ -174,8 +174,8 @@ class DrivelineAxleLoads:
     braked : (...) N
         On its axle, with every wheel of the vehicle braked to its limit.
     drawn, drawn_back, drawn_braked : (...) N
-        What moves onto its axle as all driven wheels slip, in traction and coast, and in
-        braking; nan where nobody says how high the centre of gravity is.
+        What moves onto its axle as all driven wheels slip, in traction and overrun, and in
+        braking; nan if the height of the centre of gravity is not given.
     lever : (...) 1
         What a newton that pushes the vehicle ahead moves there.
     slope : (...) N

@@ -80,7 +80,7 @@ def _pitched(vector: FloatArray, pitch: ArrayLike) -> FloatArray:
 def _turned(
     layout: Layout, bearing_shift: ArrayLike, last_shift: ArrayLike, pitch: ArrayLike
 ) -> Layout:
-    """Return a layout whose lengths nobody gives: only its pinion can turn where it is."""
+    """Return a layout without given lengths: only its pinion can turn where it is."""
     if np.any(np.asarray(bearing_shift) != 0) or np.any(np.asarray(last_shift) != 0):
         msg = "what moves a bearing or the axle needs length_mm of every shaft"
         raise DesignError(msg)

@@ -5,7 +5,7 @@ axle winds up under it. `curves` says what torque each gear and direction has ov
 speed in each state; `demand_at_operating_points` lays the line out at points of them.
 
 Points come first, then curves where there are all of them, then the variants of a study, and
-the states last: so the numbers of a line, which come as (V, 1), stand beside all of it.
+the states last: so the numbers of a line, which come as (V, 1), broadcast with all of it.
 """
 
 from collections.abc import Iterator
@@ -60,7 +60,7 @@ class TorqueCurves:
     speed : (C, ..., S, E) rad/s
         Size, from 0; it never falls, and repeats where a curve has fewer corners than others.
     torque : (C, ..., S, E) N m
-        Above 0 in drive, below in coast, braking and reverse; straight between corners, its
+        Above 0 in drive, below in overrun, braking and reverse; straight between corners, its
         size never rising. What the tyres hold is not in it.
     most : (C, ..., S) N m
         Size of torque that the tyres hold there; inf where unknown, or it is no matter.
@@ -315,19 +315,19 @@ def torque_curves(asked: LineStateDemand) -> TorqueCurves:
     """Return the torque over speed that a line can have in each state.
 
     In drive and reverse each gear gives its largest torque from standstill, a clutch slipping
-    or a converter stalled, then what full load gives up to governed speed; in coast and
+    or a converter stalled, then what full load gives up to governed speed; in overrun and
     braking it holds with engine brake and retarder, as much at any speed that the gear
     reaches; tyres hold no more than their grip.
     What a state or the application says replaces it: a torque that of all gears in drive, a
-    coast torque that in coast, and no point is faster than a speed said. A wind-up state has
+    overrun torque that in overrun, and no point is faster than a speed said. A wind-up state has
     drive, a brake wind-up state braking alone; others all that is known, braking where the
     suspension's `brake_torque` is given.
 
     Notes
     -----
-    A converter's stall ratio counts at any speed, and coast and braking take the engine
-    brake's largest torque at any speed of a gear: upper bounds. Where nobody knows a speed
-    the line stands still. Part load is not asked. Derived from Souza (2014), eq. 1 to 3.
+    A converter's stall ratio counts at any speed, and overrun and braking take the engine
+    brake's largest torque at any speed of a gear: upper bounds. Without a known speed
+    the line stands still. Part load is not evaluated. Derived from Souza (2014), eq. 1 to 3.
     """
     found = [c for c in (*_drive(asked), *_coast(asked), *_reverse(asked), *_brake(asked))
              if not np.isnan(c.fastest).all()]  # fmt: skip
@@ -451,7 +451,7 @@ def _coast(asked: LineStateDemand) -> Iterator[_Curve]:
 def _held_back(line: LineWithResolvedReferences) -> tuple[GearTable, FloatArray, FloatArray] | None:
     """Return gears, torques and speeds (..., G, 2) at which each holds a line back.
 
-    None where a coast torque is said, or nobody knows the gears.
+    None if an overrun torque is given, or the gears are unknown.
     """
     if line.engine is None or line.gears is None or line.coast_torque is not None:
         return None

@@ -1,4 +1,4 @@
-"""A line in its vehicle, resolved once: what demand reads, and nobody looks up again."""
+"""A line in its vehicle, resolved once: what demand reads, and is not looked up again."""
 
 import numpy as np
 
@@ -46,7 +46,7 @@ class LoadStateWithMultiplier:
 
     @property
     def key(self) -> tuple[str, float]:
-        """What tells it from others."""
+        """What distinguishes it from others."""
         return self.name, self.load_factor
 
 
@@ -59,7 +59,7 @@ class LineWithResolvedReferences:
     installed
         The line in its place.
     states
-        The S states it is asked in.
+        The S states it is evaluated in.
     loadings
         What loads the vehicle in each of them.
     reference
@@ -84,7 +84,7 @@ class LineWithResolvedReferences:
     gears
         Its torque and speed gear by gear; None without an engine.
     reverse
-        The same in reverse; None where nobody gives the ratio.
+        The same in reverse; None if the ratio is not given.
     obstacles
         What it must clear.
     """

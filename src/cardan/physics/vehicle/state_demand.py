@@ -1,4 +1,4 @@
-"""What the vehicle asks of one line in every state, and under other torques.
+"""What the vehicle requires of one line in every state, and under other torques.
 
 Every line is seen in its own frame, x along the flow of torque. An axle moves fore and aft,
 and is wound up, in the vehicle's frame; for a line that runs forward, to a front axle, both
@@ -63,10 +63,10 @@ __all__ = [
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LineStateDemand:
-    """What one line has to bear, (variants ..., states). What nothing given can tell is nan.
+    """What one line has to bear, (variants ..., states). What cannot be derived is nan.
 
     `demand_with_axle_moved_by_torque` torques of its own the points come before all other axes, so
-    that numbers of the line, which come as (V, 1), stand beside both.
+    that numbers of the line, which come as (V, 1), broadcast with both.
 
     Attributes
     ----------
@@ -79,10 +79,10 @@ class LineStateDemand:
     given : (..., S, n, 3) m
         The layouts before the suspension moved them: the reference, or a state's own.
     ride : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
-        How the suspension moves the axle; `corrected` repeats it beside other changes.
+        How the suspension moves the axle; `corrected` repeats it with other changes.
     torque : (..., S) N m
         For the loads: the smaller of engine and slip torque, or as the application says.
-        Negative where the line holds back: in brake wind-up it carries the coast torque.
+        Negative where the line holds back: in brake wind-up it carries the overrun torque.
     engine_torque, slip_torque : (..., S) N m
         Of the lowest gear; at which the wheels behind this line slip.
     coast_torque : (..., S) N m
@@ -101,7 +101,7 @@ class LineStateDemand:
         Of the state's load: at rest, on the axle this line's pinion is part of; at the slip
         limit, on all wheels behind the line.
     suspension_frequency : (..., S) Hz
-        nan in states that are no equilibrium: rebound and jounce.
+        nan in states that are no equilibrium: `rebound` and `jounce`.
     gears
         Torque and speed of the line gear by gear; None without an engine.
     standing
@@ -171,12 +171,12 @@ class LineStateDemand:
 
 
 def line_state_demand(line: LineWithResolvedReferences) -> LineStateDemand:
-    """Return what the vehicle asks of a line in each of its states.
+    """Return what the vehicle requires of a line in each of its states.
 
     Raises
     ------
     DesignError
-        If a state cannot be told from what is given: the message says what is missing.
+        If a state cannot be derived from what is given: the message says what is missing.
 
     Notes
     -----
@@ -243,13 +243,13 @@ def demand_with_axle_moved_by_torque(
     Raises
     ------
     DesignError
-        If a joint reaches a right angle at a point: it has no answer, and to leave the point
-        out would approve what nobody looked at.
+        If a joint reaches a right angle at a point: it has no solution, and to leave the point
+        out would approve what was not evaluated.
 
     Notes
     -----
     The axle pitches by its torque over `windup_stiffness`, in any state in which the
-    suspension places it and nobody gives its pitch; without a stiffness it stays. Where
+    suspension places it and its pitch is not given; without a stiffness it stays. Where
     springs hold it, it squats by what its tyres pull
     (`cardan.physics.vehicle.suspension.squat_travel`).
     """

@@ -125,8 +125,8 @@ def axle_loads_at_travel_limits(
 ) -> DrivelineAxleLoads:
     """Return the loads (..., S), in states where travel ends those that the springs carry there.
 
-    Whatever brought the axle there, traction too, is in them. What a bump stop bears beside the
-    spring nobody knows. A load that a state names is what it has.
+    The load that brought the axle there, traction too, is in them. What a bump stop bears besides
+    the spring is unknown. A load that a state names is what it has.
     """
     suspension, vehicle = line.suspension, line.vehicle
     if suspension is None or vehicle is None:
@@ -171,7 +171,7 @@ def torques_by_state(
         first_given(s.torque, line.torque) for s in line.states
     )
     drive = np.where(np.isnan(given), smaller_of_engine_and_slip_torque(engine, slip), given)
-    # Nobody knows what holds back until a brake is given, not even that the tyres slip.
+    # What holds back is unknown until a brake is given, not even that the tyres slip.
     back = np.where(np.isnan(held), held, smaller_of_engine_and_slip_torque(held, slip_back))
     given_back = line.max_torque_share * np.asarray(first_given(line.coast_torque), dtype=float)
     coast = np.where(np.isnan(given_back), back, given_back)
@@ -190,9 +190,9 @@ def torques_by_state(
 def slip_torques_by_state(
     line: LineWithResolvedReferences, loads: DrivelineAxleLoads
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the line's torque at which its wheels slip: in drive, coast and reverse, (...) N m.
+    """Return the line's torque at which its wheels slip: in drive, overrun and reverse, (...) N m.
 
-    Driven in reverse the wheels push as they do in coast, and load moves off the rear axle
+    Driven in reverse the wheels push as they do in overrun, and load moves off the rear axle
     alike; but power runs to them as in drive.
     """
     axle, tyre = line.axle, line.tyre

@@ -53,7 +53,7 @@ class LineBeforeAxleWindup:
     stands : (..., S) m
         Deflection of its springs; nan where not known.
     yields : (S,)
-        Where torque winds it up: the suspension places it, and nobody gives its pitch.
+        Where torque winds it up: the suspension places it, and its pitch is not given.
     squats : (S,)
         Where what the tyres pull moves it on its springs: these carry its load.
     slip, slip_back, slip_reverse : (..., S) N m
@@ -84,7 +84,7 @@ class LineBeforeAxleWindup:
     ) -> AxleMotion:
         """Return the ride under torques of the line (..., S) N m.
 
-        Where nobody knows what one does the axle stays.
+        If an effect is unknown the axle stays.
         """
         on_axle = housing_torque(
             self.line, torque, braked=self.loads.braked, coasts=coasts, brakes=brakes
@@ -303,7 +303,7 @@ def housing_torque(
 ) -> FloatArray:
     """Torque on the axle's housing, (...) N m, where a line carries some, (...) N m.
 
-    The line's torque splits between the axles it drives. Brakes and coasting together hold
+    The line's torque splits between the axles it drives. Brakes and engine braking together hold
     no more than the tyres do.
     """
     suspension, axle, tyre = line.suspension, line.axle, line.tyre

@@ -110,7 +110,7 @@ def deflection_in_state(
         Springs, unsprung mass, and where check strap or bump stop act.
     state
         Full rebound: the axle hangs on the springs, or as far down as
-        rebound at least. Rebound: spring free, and one inch more. Jounce: the bump stop, or
+        rebound at least. Rebound: spring free, and one inch more. `jounce`: the bump stop, or
         the end of the spring's table, metal to metal. Curb, empty, gvw, overload: under the
         axle's load. Wind-up: as high as its load state has it.
     axle_load : (...) N
@@ -120,7 +120,7 @@ def deflection_in_state(
     Raises
     ------
     DesignError
-        If the state needs an axle load that is not known (nan), or a stop that nobody tells.
+        If the state needs an axle load that is not known (nan), or a stop that is not given.
 
     Notes
     -----
@@ -145,7 +145,7 @@ def deflection_in_state(
 
 
 def _bump_stop(suspension: Suspension) -> FloatArray | None:
-    """Return the deflection, (...) m, at which springs stop; None where nobody tells."""
+    """Return the deflection, (...) m, at which springs stop; None if not given."""
     given, spring = suspension.jounce_deflection, suspension.spring
     if given is None and not spring.ends:
         return None
@@ -230,7 +230,7 @@ def squat_travel(
     suspension
         Springs, stops, and the path.
     travel : (...) m
-        Where the axle is at rest: its load has it there, or somebody holds it.
+        Where the axle is at rest: its load has it there, or it is held.
     axle_load, drawn : (...) N
         That load, and what the force moves onto the axle, N.
     force : (...) N

@@ -115,7 +115,7 @@ def reverse_gear_table(
     torque_ratio: ArrayLike = 1.0,
     speed_ratio: ArrayLike = 1.0,
 ) -> GearTable | None:
-    """Torque and speed of a line in reverse, by size; None where nobody gives its ratio.
+    """Torque and speed of a line in reverse, by size; None if its ratio is not given.
 
     `gears` of the reverse ratio alone, in every range of the transfer case.
     """
@@ -163,7 +163,7 @@ def retarding_torques(engine: Engine, gearbox: Gearbox = DIRECT_DRIVE) -> FloatA
     (..., G) N m, gears as `gears` has them.
 
     T = Tb i / η + Tr: what gears lose helps to brake; a low range behind the retarder
-    multiplies that too. What nobody knows holds nothing; nan where unknown either.
+    multiplies that too. What is unknown holds nothing; nan if both are unknown.
     Derived from Souza (2014), eq. 1.
     """
     brake, retarder = engine.brake_torque, gearbox.retarder_torque
@@ -179,7 +179,7 @@ def retarding_torques(engine: Engine, gearbox: Gearbox = DIRECT_DRIVE) -> FloatA
 def max_retarding_torque(engine: Engine, gearbox: Gearbox = DIRECT_DRIVE) -> FloatArray:
     """Largest torque at the gearbox output that engine brake and retarder hold, (...) N m.
 
-    That of the lowest gear; nan where nobody knows what holds.
+    That of the lowest gear; nan if what holds is unknown.
     """
     return retarding_torques(engine, gearbox).max(axis=-1)
 
@@ -202,7 +202,7 @@ def slip_torque_at_friction(
         Load N on all wheels behind the line.
     friction, ratio, efficiency : (...) 1
         Of tyre on ground; of the axle, pinion over wheel speed; of the axle. When the
-        wheels drive the line (coast), power runs the other way: give 1/η.
+        wheels drive the line (overrun), power runs the other way: give 1/η.
     radius : (...) m
         Static loaded radius.
 
