@@ -124,7 +124,7 @@ class FailureProbability:
 
 @dataclass(frozen=True, kw_only=True)
 class AlternativeLives:
-    """The other answers of one gauge; None of what was not asked.
+    """Lives of one gauge by other methods; None where not requested.
 
     Attributes
     ----------
@@ -133,7 +133,7 @@ class AlternativeLives:
     growth
         Passages of the recording or mix that grow the crack; infinite where it stops.
     duration : s
-        The gauge was alive, of one passage.
+        Time with valid data, of one passage.
     in_turn
         The same of a mix with its parts driven in turn; None where that says nothing else.
     """
@@ -238,8 +238,8 @@ def alternative_lives_of_recording_mix(
 
     Damage by strain adds up, each recording beginning with a memory of nothing. A crack grows by
     the cycles of all in one, and odds are of those: what has to hold is the mix, and neither is
-    a mean of what each recording would come to by itself. The same is told of the mix driven in
-    turn, where that is given.
+    a mean of what each recording would come to by itself. The same is computed for the mix driven
+    in turn, where that is given.
     """
 
     def judged(of: GaugeCycleCount, damage: float | None, strain: float) -> AlternativeLives:
@@ -320,7 +320,7 @@ def failure_probability(
         )
     except ConvergenceError:
         second = None
-    # About a failure that is likelier than not few draws would tell of the parts that hold.
+    # About a failure likelier than not, few draws would inform about the parts that hold.
     about = first if first.beta > 0 else ()
     sampled = monte_carlo(
         limit, variables, samples=IMPORTANCE_SAMPLE_COUNT, seed=seed, around=about

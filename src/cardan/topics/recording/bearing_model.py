@@ -305,7 +305,7 @@ def check_stiffness_keys(of: LineResponse) -> None:
 
 
 def identifiable_numbers(of: Line) -> Iterator[tuple[str, Part, str, float]]:
-    """Yield what a recording may tell of a line: name, part, address in it, and the file's value.
+    """Yield what a recording may identify of a line: name, part, address, and the file's value.
 
     nan where the file says nothing.
     """
@@ -330,7 +330,7 @@ def measurement_windows(
 ) -> MeasurementWindows:  # fmt: skip
     """Return windows of a recording, of a long one those in stretches spread over it.
 
-    A few of them where fewer are asked for, and a clock of so many Hz between them.
+    A few of them if fewer are requested, and a clock of so many Hz between them.
     """
     at = order_windows(angle.rotation, until=seconds)
     if at.time.size < 12:

@@ -13,10 +13,10 @@ from cardan.topics.recording.options import AnalysisOptions
 from cardan.topics.recording.recording_assessment import RecordingAssessment
 
 MIN_SEGMENT_TRANSITION_DAMAGE_SHARE = 0.1
-"""Share of a mix's damage from which cycles between its parts are told."""
+"""Share of a mix's damage from which cycles between its parts are reported."""
 
 MIN_CUSTOMERS = 3
-"""Recordings from which anything is told of customers."""
+"""Recordings from which shares of customers are reported."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +32,10 @@ class MixGaugeResult:
     between
         Damage of cycles from one part to another, were they driven in turn again and again.
     order
-        How they follow each other then; None where that is not asked.
+        How they follow each other then; None if not requested.
     hidden
-        Kinds of fault for which a recording would have no answer whole, and of which its segments
-        show nothing: their levels decide, and nobody said whether the part felt that.
+        Kinds of fault for which a recording would be undetermined as a whole, and of which its
+        segments show nothing: their levels decide, and whether the part felt that is not given.
     """
 
     name: str
@@ -111,21 +111,21 @@ class CampaignAssessment:
     title
         Of the campaign.
     parts
-        Name, how often it is driven, and what was heard in each.
+        Name, how often it is driven, and what was recorded in each.
     lives
         One a gauge.
     profile
-        The limits' name; "" where no profile was asked.
+        The limits' name; "" if no profile applies.
     customer
-        Share of customers that is asked for; 0 for none.
+        Share of customers that is requested; 0 for none.
     whose
         Which recording of the file each part is of, in their order.
     allowed
         Damage at failure.
     campaign
-        What was asked of every recording.
+        Settings of every recording.
     otherwise
-        The mix's gauges judged by strain, by a crack, by odds; none where it was not asked.
+        The mix's gauges judged by strain, by a crack, by odds; none if not requested.
     """
 
     title: str
@@ -143,7 +143,7 @@ class CampaignAssessment:
         """Damage a second that a share of customers stays below at each gauge, and its bound.
 
         Each recording of the file is taken for a customer, its segments for what he drives; a
-        gauge that some did no damage to has no answer.
+        gauge that some did no damage to has no result.
         """
         found: dict[str, tuple[float, float]] = {}
         for one in self.lives if self.customer_share else ():

@@ -1,4 +1,4 @@
-"""A campaign's file: recordings of any rate and format, what is in them, and what is asked.
+"""A campaign's file: recordings of any rate and format, what is in them, and what is computed.
 
 It says once, for all its recordings, what the options of `cardan life` say for one: which
 channels are gauges, how they are calibrated, what turns, what is masked and accepted, how
@@ -304,7 +304,7 @@ class GaugeFatigueStrengthTable(Table):
 
 @_with_option_keys("campaign", before="customer")
 class CampaignTable(Table):
-    """A campaign of recordings: what was measured, and what is asked of it."""
+    """A campaign of recordings: what was measured, and what is computed from it."""
 
     campaign: Annotated[str, TextField(MAX_PROSE_CHARACTERS)] = table_key_field("its title")
     recordings: tuple[Annotated[RecordingSpec, CampaignRecordingTable], ...] = table_key_field(

@@ -59,7 +59,7 @@ from cardan.topics.recording.study import RecordingStudy
 NEED_TEXT_THREE_CUSTOMERS = (
     "three recordings or more, of a customer each, that all did damage there"
 )
-"""What a gauge needs of which nothing is told of customers."""
+"""Missing input of a gauge whose shares of customers are not reported."""
 
 CUSTOMER_PERCENTILE_LABEL = "the required share of customers"
 """Of whom a life is, where it is not of the mix."""
@@ -112,7 +112,7 @@ def analyse_campaign(
     changed: bool = False,
     checked: Application | None = None,
 ) -> StudyResult[CampaignAssessment]:
-    """Ask every recording of a campaign, and hold the mix against its limits and others.
+    """Assess every recording of a campaign, and compare the mix with its limits and others.
 
     It is a file, or was read already.
 
@@ -148,7 +148,7 @@ def _listened(
     changed: bool,
     checked: Application | None,
 ) -> StudyResult[CampaignAssessment]:
-    """Ask every recording of a campaign that was read."""
+    """Assess every recording of a campaign that was read."""
     asked = AnalysisOptions(**written.options)
     if asked.application is not None and checked is not None:
         _same_design(asked.application, checked)
@@ -269,7 +269,7 @@ def _mixed(
 
 
 def _customers(of: CampaignAssessment) -> tuple[list[CustomerPercentile], list[MixGaugeResult]]:
-    """Return gauges as a share of customers has them, and those of which nobody can tell that."""
+    """Return gauges as a share of customers has them, and those for which that is unknown."""
     told, known, unknown = (
         of.customer_damage_rates,
         list[CustomerPercentile](),
@@ -288,7 +288,7 @@ def _customers(of: CampaignAssessment) -> tuple[list[CustomerPercentile], list[M
 def recording_and_options(
     asked: AnalysisOptions, drive: RecordingSpec
 ) -> tuple[AnalysisOptions, Recording]:
-    """Return what is asked of one recording of a campaign, and that recording."""
+    """Return the settings of one recording of a campaign, and that recording."""
     own = {
         k: (*getattr(asked, k), *v) if k in ("mask", "accept", "scale") else v
         for k, v in drive.options.items()
@@ -326,7 +326,7 @@ def _crossed(
 ) -> Iterator[tuple[str, float, RecordingAssessment]]:
     """Yield parts, with a note where the findings of two gauges change places from one to another.
 
-    One gauge may be guilty on one road and not on the next; that two do so against each other is
+    The joints may dominate at one gauge on one road and not on the next; that two gauges swap is
     how exchanged plugs look.
     """
     before: list[tuple[str, dict[str, str]]] = []
@@ -402,7 +402,7 @@ def _times(
     Raises
     ------
     DesignError
-        If it is by place and nobody knows the way, or the way ends before it.
+        If it is by place and the distance is unknown, or the way ends before it.
     """
     if not segment.by_distance:
         return segment.first, segment.last

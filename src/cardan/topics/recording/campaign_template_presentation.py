@@ -23,7 +23,7 @@ _TRUTHS = ("yes", "no", "on", "off", "true", "false", "null", "y", "n")
 
 
 def campaign_template(of: RecordingOverview) -> str:
-    """Return a campaign of a recording, without its S-N curve: only who knows the part has that.
+    """Return a campaign of a recording, without its S-N curve: that needs knowledge of the part.
 
     A unit that the file does not say is UNIT, and a factor of an amplifier's channel is left out:
     both are refused until they are filled in.

@@ -95,7 +95,7 @@ def recording_mix_blocks(of: CampaignAssessment, say: Translator) -> Iterator[Bl
 def recording_blocks(
     of: RecordingAssessment, say: Translator, *, short: bool = False, shown: str = ""
 ) -> Iterator[Block]:
-    """Yield what a recording did to its gauges, and who did it.
+    """Yield what a recording did to its gauges, and its causes.
 
     `shown` is the gauge whose stress over time is drawn elsewhere; `short` draws that of none.
 
@@ -193,7 +193,7 @@ def _pairs(
 def equal_damage_amplitude_at_mean(
     mean: FloatArray, *, amplitude: float, correction: MeanStressCorrection
 ) -> FloatArray:
-    """Return the amplitude (...) Pa that does at a mean (...) what `amplitude` does at nought.
+    """Return the amplitude (...) Pa that does at a mean (...) what `amplitude` does at zero.
 
     By bisection, as any correction rises with the amplitude; nan where none does.
     """
@@ -356,8 +356,8 @@ def order_cut_figures(
 ) -> Iterator[Figure]:  # fmt: skip
     """Yield amplitude and phase of an order against speed, recorded and computed.
 
-    What is computed stands beside one gauge at a time: of all of them nobody could tell the dots
-    apart. `late`, low and high s, is how much later than its speed the stress may come: by that
+    Computed values are drawn for one gauge at a time: the dots of all gauges would overlap.
+    `late`, low and high s, is how much later than its speed the stress may come: by that
     the phase tilts.
     """
     k, title = cuts.orders.index(order), say("Order {order}", order=say.compact_number(order))
@@ -422,7 +422,7 @@ def phase_error_by_lag_sentence(late: tuple[float, float] | None, say: Translato
 
 
 def _causes(of: DamageCausesByGauge, say: Translator) -> Iterator[Block]:
-    """Yield who did the damage, with the interval of the joints' part."""
+    """Yield the causes of damage, with the interval of the joints' part."""
     yield Figures(figures=(_removed(of, say),))
     for k, name in enumerate(of.gauges):
         head, *rows = damage_cause_rows(name, of, k, say)
@@ -474,7 +474,7 @@ def _removed(of: DamageCausesByGauge, say: Translator) -> Figure:
         )
         x, _ = chart.point_to_pixels(100 * e.damage_share, k)
         chart.add_elements(chart.marker(x, y, k, 5.0))
-        # Beside a right end it would leave the figure.
+        # Next to a right end it would leave the figure.
         at, anchor = (x1, "start") if low < 50 else (x2, "end")
         told = f"{name}: {say(e.verdict).upper()}"
         chart.add_elements(text(at, y - 9, told, anchor=anchor, font_size=11))

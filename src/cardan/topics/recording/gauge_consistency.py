@@ -1,4 +1,4 @@
-"""Whether what gauges and torque say can be of one bearing at all, before numbers are told.
+"""Whether what gauges and torque say can be of one bearing at all, before numbers are reported.
 
 Two ways of a force on a bearing do something known at each gauge, so three gauges and more have to
 agree. One that reads the other way round, half as much or at another's place does not, and least
@@ -18,7 +18,7 @@ MAX_DISAGREEMENT_RATIO_LEAVING_ONE_OUT = 0.25
 MIN_RELATIVE_GAUGE_SCALE_ERROR = 0.25
 """By which it has to read otherwise than the others say."""
 MIN_WINDOWS = 12
-"""Windows that tell anything."""
+"""Windows that hold information."""
 MAX_CORRELATION_OF_REVERSED_TORQUE = -0.3
 """Correlation of a torque with how the shaft gains speed, from which its sign is the other."""
 MIN_SHAFT_SPEED_REV_S = 0.5
@@ -48,7 +48,7 @@ CONSISTENCY_DOUBTS = (
     DOUBT_TORQUE_SIGN,
     DOUBT_WRONG_DRIVELINE_FILE,
 )
-"""Why numbers are not told at all."""
+"""Why no numbers are reported."""
 
 
 def inconsistent_gauge(

@@ -62,7 +62,7 @@ MODE_DAMPING_TITLE = "its damping ratio"
 
 
 def mode_rows(of: IdentificationResult, say: Translator) -> list[tuple[str, ...]]:
-    """Return what is felt beside the orders as rows like those of numbers."""
+    """Return modes felt in addition to the orders, as rows like those of numbers."""
     if not of.operational_modes:
         return [
             (
@@ -101,12 +101,12 @@ def _mode(
 
 
 def doubt_sentences(of: IdentificationResult, say: Translator) -> list[str]:
-    """Return why nothing is told, a sentence each."""
+    """Return why nothing is reported, a sentence each."""
     return [say("no result: {doubt}", doubt=say.translate_message(doubt)) for doubt in of.doubts]
 
 
 def no_change_prediction_sentence(say: Translator) -> str:
-    """Return that of a line of which nothing is told no change is foretold."""
+    """Return that for a line without a result no change is predicted."""
     return say("nothing is promised of the changed line")
 
 

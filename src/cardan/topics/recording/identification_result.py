@@ -17,7 +17,7 @@ from cardan.physics.signals.order_cuts import OrderCuts
 
 MIN_SAME_MODE_SHAPE_COSINE, MAX_DIFFERENT_MODE_SHAPE_COSINE = 0.97, 0.9
 """Cosine of a mode's shape with what a force does at the gauges from which they are alike, and
-below which they are told apart."""
+below which they are distinguished."""
 
 MAX_MODE_FREQUENCY_RATIO = 1.1
 """Ratio of frequencies up to which a mode may be one of the line on its rubber."""
@@ -27,7 +27,7 @@ PARAMETER_UNITS = {
     "phase": ("deg", deg), "gain": ("", 1.0), "mode": ("Hz", 1.0), "mode damping": ("", 1.0),
     "unbalance": ("g mm", 1e-6),
 }  # fmt: skip
-"""What numbers are told in, and what one of it is in SI."""
+"""Units in which numbers are reported, and their factors to SI."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +64,7 @@ class IdentifiedParameter:
 
     @property
     def unit(self) -> str:
-        """Unit that it is told in, that of its key in the file."""
+        """Unit that it is reported in, that of its key in the file."""
         return PARAMETER_UNITS[self.name][0]
 
     def in_display_unit(self, value: float) -> float:
@@ -96,7 +96,7 @@ class IdentificationResult:
     Attributes
     ----------
     application, identified
-        As written, and with the numbers that the recording tells.
+        As written, and with the numbers identified from the recording.
     state, bearing
         Which geometry, and whose force the gauges feel.
     parameters
@@ -120,9 +120,9 @@ class IdentificationResult:
     hung : Hz
         Frequencies of the line on its rubber, as found.
     shaken
-        Modes that the gauges feel beside the orders: what road and engine shake.
+        Modes that the gauges feel in addition to the orders: what road and engine shake.
     doubts
-        Why no number is told, if any.
+        Why no number is reported, if so.
     """
 
     application: Application
@@ -147,7 +147,7 @@ class IdentificationResult:
         """Return which way a force on the bearing does the same to the gauges as a mode.
 
         Along the shaft 0, sideways 1 or up 2; None where it is none of them, or more than one:
-        two gauges at least have to tell them apart.
+        two gauges at least have to distinguish them.
         """
         shape = np.array(mode.shape)
         size = np.linalg.norm(self.unit_stress, axis=0) * np.linalg.norm(shape)
@@ -207,7 +207,7 @@ def parameter_changes(
 ) -> tuple[ParameterChange, ...]:
     """Return where a changed application departs from what was found otherwise than written.
 
-    It is the change that is asked about, or what the file said wrong of the line that was driven.
+    It is the change in question, or what the file said wrong of the line that was driven.
     """
     from cardan.topics.recording.bearing_model import identifiable_numbers
 

@@ -31,7 +31,7 @@ def joint_force_history(
 ) -> tuple[FloatArray, FloatArray]:
     """Force on the bearing over the recording's drive, (n,) s and (n, 3) N, vehicle axes.
 
-    As `bearing_force_over_time` tells it. For the bracket's damage.
+    As `bearing_force_over_time` computes it. For the bracket's damage.
     """
     time = np.arange(int(seconds * rate)) / rate
     return time, bearing_force_over_time(
@@ -47,7 +47,7 @@ def bearing_force_over_time(
     seconds: float,
     application: Application | None = None,
 ) -> Callable[[FloatArray], FloatArray]:
-    """Return what tells the force on the bearing (n, 3) N, vehicle axes, at times (n,) s.
+    """Return the force on the bearing (n, 3) N, vehicle axes, as a function of times (n,) s.
 
     Of the application as it was identified, or of another one driven so: mean and orders at each
     window's torque and speed, with what modes remember where they are passed, straight between
@@ -70,7 +70,7 @@ def bearing_force_over_time(
         slow = steady
         remembered: list[tuple[ComplexArray, ComplexArray]] = []
         if order in FITTED_ORDERS and poles.size:
-            # What is left beside the poles is slow; they themselves go through the drive.
+            # What is left besides the poles is slow; they themselves go through the drive.
             share = pole_shares(scene, steady, poles, order)
             basis = 1 / (2j * np.pi * order * scene.at.speed - poles[:, None])
             slow = steady - share @ (basis * scene.load(order))

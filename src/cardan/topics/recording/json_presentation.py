@@ -48,7 +48,7 @@ def _number(value: float) -> float | None:
 
 
 def _life(one: GaugeAssessment, value: float) -> float | None:
-    """Return a number of a life; unknown where it is vetoed."""
+    """Return a number of a life; unknown if its data are rejected."""
     return None if one.vetoed else _number(value)
 
 
@@ -202,7 +202,7 @@ def json_document(found: StudyResult[RecordingAssessment]) -> dict[str, Any]:
 
 
 def _more(of: RecordingAssessment) -> dict[str, Any]:
-    """Return what a recording was asked beyond damage and cause."""
+    """Return results of a recording beyond damage and cause."""
     return {
         **(
             {"misread": [_misread(m) for m in of.alternative_readings]}

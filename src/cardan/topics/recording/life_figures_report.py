@@ -42,7 +42,7 @@ WIDE_PX, HISTORY_HEIGHT_PX, DAMAGE_HEIGHT_PX = 900.0, 152.0, 122.0
 PAIR_HEIGHT_PX = 240.0
 """Height of the figures that stand side by side."""
 LANE_PX = 9.0
-"""Height of the lane in which a kind of suspect data is marked above the stress."""
+"""Height of the row in which a kind of suspect data is marked above the stress."""
 MIN_MARK_PX = 1.6
 """Width of a mark, at least: one sample of an hour is seen."""
 MATRIX_BINS = 40
@@ -139,7 +139,7 @@ def _mark_text(of: MarkedStretches, say: Translator) -> str:
 def _add_marks(
     chart: Chart, of: MarkedStretches, y: float, colour: str, *, start: float, unit: float
 ) -> None:
-    """Mark stretches in a lane, and shade the stress there; accepted ones are pale."""
+    """Mark stretches in a row, and shade the stress there; accepted ones are pale."""
     height = chart.height - MARGIN_BOTTOM_PX - MARGIN_TOP_PX
     for runs, dark in ((of.accepted, 0.4), (of.undecided, 1.0), (of.masked, 1.0)):
         for x1, x2 in _pixel_spans(chart, (start + runs) / unit):

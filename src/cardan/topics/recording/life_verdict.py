@@ -39,7 +39,7 @@ NEED_TEXTS_BY_UNDECIDED_FAULT: Mapping[str, str] = {
     "bit": "a recording whose converter moves all its bits, or --accept bit",
     "strength": "the tensile strength of its part, or --accept strength",
 }
-"""What a gauge needs whose answer is vetoed, by the kind of fault that leaves none."""
+"""What a gauge needs whose data are rejected, by the kind of fault that spoils them."""
 
 
 def _needed_fault_decision(kind: str) -> str:
@@ -52,7 +52,7 @@ def assessment_verdict(
 ) -> Verdict | None:
     """Return what the gauges come to; None where nothing was requested of them.
 
-    Where a life is vetoed, or no gauge says anything, the recording was asked and has no answer,
+    If the data of a life are rejected, or no gauge has a result, the recording is not evaluated,
     limit or not.
     """
     coverage = coverage_of(found)
@@ -66,13 +66,13 @@ def assessment_verdict(
 LIMIT_REQUIRING_ANY_KNOWN_LIFE = Limit(
     quantity="fatigue_life", sense=">=", maximum=0.0, required=True, source=LIFE_OPTION_SOURCE
 )
-"""That anything be known of a life: what is asked of a recording that nobody limits."""
+"""That anything be known of a life: the check of a recording without limits."""
 
 
 def unevaluated_checks_of_unknown_lives(
     found: StudyResult[CampaignAssessment],
 ) -> Iterator[UnevaluatedCheck]:
-    """Yield the gauges of a campaign whose life is not known, where no limit asks for it."""
+    """Yield the gauges of a campaign whose life is not known, if no limit applies to it."""
     of = found.answer
     if of is not None and of.options is not None and not coverage_of(found).total:
         when = EvaluationCondition("recording", of.title)
@@ -82,7 +82,7 @@ def unevaluated_checks_of_unknown_lives(
 
 
 class AssessedGauge(Protocol):
-    """What limits are asked of: a gauge in a recording, or in a mix of some."""
+    """What limits apply to: a gauge in a recording, or in a mix of some."""
 
     @property
     def name(self) -> str:
@@ -109,7 +109,7 @@ _VALUES: dict[str, Callable[[LifeEstimate], float]] = {
     "fatigue_life": lambda life: life.hours * hour,
     "fatigue_damage": lambda life: life.damage,
 }
-"""What a limit asks about of a gauge, SI."""
+"""The value of a gauge that a limit applies to, SI."""
 
 NO_LIFE_ESTIMATES: Mapping[str, LifeEstimate] = {}
 
@@ -121,7 +121,7 @@ def limit_checks(
 ) -> Iterator[Check]:  # fmt: skip
     """Yield a check for each limit and gauge that said something.
 
-    `ends` are lives of gauges that may be as well, by what nobody recorded.
+    `ends` are lives of gauges that may be as well, by what was not recorded.
     """
     for limit in limits:
         asked = _VALUES[limit.quantity]

@@ -1,4 +1,4 @@
-"""What a recording was counted by, so that two reports of one recording can be told apart."""
+"""What a recording was counted by, so that two reports of one recording can be distinguished."""
 
 import math
 from collections.abc import Iterator

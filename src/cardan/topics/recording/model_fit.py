@@ -43,11 +43,11 @@ deviation of each, assumed: however often a speed is passed, that does not avera
 (`tests/verify/many_trucks.py`)."""
 
 MIN_CORRELATED_ERROR_TO_NOISE_RATIO = 0.1
-"""Standard deviations from which what is left out alike counts beside noise."""
+"""Standard deviations from which what is left out alike counts next to noise."""
 
 CROSS_AXIS_GAIN_PARAMETER_NAME = "askew"
-"""What is computed of a gauge up over what is computed of it across, beyond its gain: is not told,
-and makes intervals as wide as it leaves them."""
+"""What is computed of a gauge up over what is computed of it across, beyond its gain: is not
+reported, and makes intervals as wide as it leaves them."""
 
 PRIOR_LOSS_FREQUENCY_EXPONENT_SD = 0.7
 """Exponent of frequency by which the loss of rubber grows, one standard deviation, assumed: none
@@ -63,7 +63,7 @@ one standard deviation, s², assumed; that of a mode at 60 Hz."""
 
 @dataclass(frozen=True)
 class FreeParameter:
-    """One number that may move: as a logarithm where it cannot be nought."""
+    """One number that may move: as a logarithm where it cannot be zero."""
 
     name: str
     part: Part
@@ -263,7 +263,7 @@ class LeastSquaresFit:
         return turn, heavy, marks[self.scene.block]
 
     def off(self, computed: ComplexArray) -> ComplexArray:
-        """Measured less computed (gauges, K, W), in standard deviations; nought where unknown."""
+        """Measured less computed (gauges, K, W), in standard deviations; zero where unknown."""
         turn, *_ = self.turned(computed)
         off = np.nan_to_num((self.cuts.amplitude - computed * turn) / self.noise)
         for k, white in enumerate(self.white):
@@ -324,7 +324,7 @@ class WhiteningFilter:
 
     @classmethod
     def by(cls, columns: ComplexArray) -> "WhiteningFilter":
-        """Return it for columns C (m, n); those that are faint beside 1 are left out."""
+        """Return it for columns C (m, n); those that are faint compared with 1 are left out."""
         ways, size, _ = np.linalg.svd(columns, full_matrices=False)
         kept = size > MIN_CORRELATED_ERROR_TO_NOISE_RATIO
         return cls(ways[:, kept], 1 - 1 / np.sqrt(1 + size[kept] ** 2))
@@ -338,7 +338,7 @@ def shared_error_patterns(speed: FloatArray, torque: FloatArray) -> FloatArray:
     """Return what windows (W,) share of what is left out alike at alike speeds, (parts, W).
 
     Straight between knots of speed, as far apart as each of `MODEL_ERROR_CORRELATION_OCTAVES`; a
-    line that coasts rests on other flanks than one that is driven, and shares nothing with it.
+    line in overrun rests on other flanks than one that is driven, and shares nothing with it.
     """
     pace, coasts = np.log2(speed), torque < 0
     hats = np.concatenate([_hats(pace / o) for o in MODEL_ERROR_CORRELATION_OCTAVES])
@@ -355,4 +355,4 @@ PRIOR_LOGGER_DELAY_SD_S = 0.0005
 """What a logger's filters put a gauge behind the tacho by, s, one standard deviation, assumed."""
 
 PRIOR_BUS_LAG_SD_S = 0.005
-"""What is left of a bus's lag once the stress has told it, s, one standard deviation, assumed."""
+"""Standard deviation of a bus's lag once it is estimated from the stress, s, assumed."""

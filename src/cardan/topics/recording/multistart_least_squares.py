@@ -91,9 +91,9 @@ def multistart(rows: ResidualFunction, *, far: FloatArray) -> list[LeastSquaresR
     Parameters
     ----------
     rows
-        What is left over; it is asked some thousand times.
+        Function of the residuals; it is called some thousand times.
     far : (p,)
-        How far from nought, the likeliest place, each number may be to either side; nought of
+        How far from zero, the likeliest place, each number may be to either side; zero for
         those that any search finds.
     """
     wide = np.flatnonzero(far)
@@ -101,7 +101,7 @@ def multistart(rows: ResidualFunction, *, far: FloatArray) -> list[LeastSquaresR
     ways = np.concatenate([np.where(np.isnan(moves), level, moves) for level in SEARCH_GRID_LEVELS])
     grid = _placed(far, wide, far[wide] * np.unique(ways, axis=0))
     rough = [sum_of_squares(rows(x)) for x in grid]
-    # Nought is likely before anything is known.
+    # Zero is likely before anything is known.
     begun = [np.zeros(far.size), *grid[np.argsort(rough)[:GRID_START_COUNT]]]
     found = distinct_minima([levenberg_marquardt(rows, x) for x in begun], wide)
     for _ in range(MAX_RESTARTS):
@@ -129,7 +129,7 @@ def distinct_minima(found: Iterable[M], wide: Sequence[int] | IntArray) -> list[
 
 
 def _placed(like: FloatArray, at: IntArray, values: FloatArray) -> FloatArray:
-    """Return places (n, p), nought but at some numbers."""
+    """Return places (n, p), zero but at some numbers."""
     found = np.zeros((len(values), like.size))
     found[:, at] = values
     return found

@@ -73,7 +73,7 @@ class StatementRow:
     Attributes
     ----------
     label
-        What is told, to be translated.
+        Name of what is reported, to be translated.
     unit
         Printed behind a number.
     texts
@@ -116,7 +116,7 @@ class WorkbenchField:
 
 @dataclass(frozen=True, kw_only=True)
 class LifeOption:
-    """One option: how it is written, what it may be, and where it is told.
+    """One option: how it is written, what it may be, and where it is reported.
 
     Attributes
     ----------

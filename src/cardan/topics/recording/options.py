@@ -1,6 +1,6 @@
 """A campaign: how a recording is to be listened to, and what its gauges are held against.
 
-It is written in the words of the command line, which are those of whoever measured:
+It is written in the words of the command line, which are those of the measuring engineer:
 `CHANNEL:UNIT`, `NAME=A,B,C`, MPa and Hz. What they come to in SI follows from it and from a
 recording.
 """
@@ -61,7 +61,7 @@ from cardan.topics.recording.option_table import OPTIONS, OptionTable
 
 STUDY_NAME = "recording"
 LIFE_OPTION_SOURCE = Source("given with the recording")
-"""Who says how long a gauge has to live, where no profile does."""
+"""Source of the required life, where no profile does."""
 
 DEFAULT_WALKER_EXPONENT = 0.65
 """Exponent of Walker's equation where none is given: about that of steels (Dowling, Fatigue Fract.
@@ -86,13 +86,13 @@ _ZEROS = {
 }
 
 MIN_SAMPLES = 4
-"""Samples of a recording that a life is told of: fewer close no cycle (four-point rainflow)."""
+"""Samples of a recording needed for a life: fewer close no cycle (four-point rainflow)."""
 MIN_SAMPLES_FOR_CRESTS = 20
 """Samples of a recording from which crests are looked for between them: a shorter one is a list of
 its reversals, as the examples of ASTM E1049 are."""
 
 SHAFT_SPEED_OPTION_NAMES = "speed", "tacho", "estimate_speed"
-"""What may tell how far the shaft has turned, one of them."""
+"""What may give the shaft's angle, one of them."""
 
 JOINT_EXCITATION_ORDERS = 2.0, 4.0, 6.0
 """At which a joint swings its shaft, and at which it is identified."""
@@ -174,7 +174,7 @@ class AnalysisOptions(OptionTable):
             raise DesignError(msg)
 
     def _hold_together(self) -> None:
-        """Refuse options that do nothing beside the others, or say two things of one."""
+        """Refuse options that do nothing with the others, or say two things of one."""
         for name, one in OPTIONS.items():
             if one.needs and getattr(self, name) != one.default and not getattr(self, one.needs):
                 msg = f"{one.flag} does nothing by itself: it needs {OPTIONS[one.needs].flag}"
@@ -273,7 +273,7 @@ class AnalysisOptions(OptionTable):
         return tuple(sorted(said, key=lambda r: (not r.covers_all_time, r.channel != "")))
 
     def for_segment(self, first: float, last: float) -> "AnalysisOptions":
-        """Return what is asked of a stretch of the recording: its rules, by the stretch's clock.
+        """Return the settings of a stretch of the recording: its rules, by the stretch's clock.
 
         A rule of other times is none of it.
         """
@@ -306,7 +306,7 @@ class AnalysisOptions(OptionTable):
 
     @property
     def strain_life_settings(self) -> StrainLifeSettings | None:
-        """How places are judged by their strain; None where it was not asked."""
+        """How places are judged by their strain; None if not requested."""
         if self.strain_life is None:
             return None
         given = _several(self.strain_life, of="--strain-life")
@@ -336,7 +336,7 @@ class AnalysisOptions(OptionTable):
 
     @property
     def crack_growth_settings(self) -> CrackGrowthSettings | None:
-        """How a crack is judged; None where it was not asked."""
+        """How a crack is judged; None if not requested."""
         if self.crack is None:
             return None
         given = _several(self.crack, of="--crack")
@@ -430,7 +430,7 @@ class AnalysisOptions(OptionTable):
                 raise DesignError(msg)
 
     def channel_roles(self, recording: Recording) -> dict[str, str]:
-        """Return what each channel of a recording is that something is asked of."""
+        """Return what each channel in use of a recording is."""
         found = {c: "gauge" for g in self.assessment_settings(recording).gauges for c in g.channels}
         for role in ("speed", "tacho", "torque", "engine"):
             if (of := getattr(self, role)) is not None:
@@ -486,7 +486,7 @@ class AnalysisOptions(OptionTable):
         )
 
     def check_recording(self, recording: Recording, *, samples: int) -> None:
-        """Refuse a recording of so many samples that holds nothing to tell a life of."""
+        """Refuse a recording of so many samples that is too short for a life."""
         if samples < MIN_SAMPLES:
             msg = f"{recording.name} holds {samples} samples; a life takes {MIN_SAMPLES} or more"
             raise DesignError(msg)
@@ -511,7 +511,7 @@ class AnalysisOptions(OptionTable):
             taken = given or channel_unit(of)
             gauge = replace(gauge, doubts=unit_doubts(of, taken))
             if taken in UNIT_CONFUSED_WITH_BY_UNIT and not (of.unit_declared or channel_unit(of)):
-                # What whoever names a unit by hand confuses: numbers of either look alike.
+                # Units confused when named by hand: numbers of either look alike.
                 other = UNIT_CONFUSED_WITH_BY_UNIT[taken]
                 gauge = replace(
                     gauge, assumed_unit=taken, alternative_unit=(other, units[other] / factor)

@@ -17,7 +17,7 @@ Intervals are of 90 %: what the noise does to the answer, taken from blocks of w
 for neighbours err alike, and what the model leaves out. Of the force that is a share which is
 alike at alike speeds, so it does not average out where a speed is passed again: its covariance
 whitens what is left over. How the rubber's loss goes with frequency, what a bracket's own mode
-raises and what a logger's filters delay moves with the rest, and is not told. Other places that
+raises and what a logger's filters delay moves with the rest, and is not reported. Other places that
 fit as well are in the interval. Gains are those of the plain sum above.
 Source: derived from first principles; Ljung, System Identification (1999), ch. 7;
 Cameron & Miller, A practitioner's guide to cluster-robust inference, J. Hum. Resour. 50 (2015);
@@ -85,8 +85,8 @@ MIN_CONFIDENCE_HALF_WIDTH_BY_PARAMETER = {
     "gain": 0.025,
     "mode damping": 0.03,
 }
-"""Half of the narrowest interval that is told, relative: joints 2 mm from where they are drawn, and
-gauges whose stress is that of a flange held otherwise, move the answers by as much
+"""Half of the narrowest interval that is reported, relative: joints 2 mm from where they are drawn,
+and gauges whose stress is that of a flange held otherwise, move the answers by as much
 (`tests/verify/many_trucks.py`, `collector_day.py`)."""
 
 HALF_WIDTH_OF_90_PERCENT_INTERVAL_SD = 1.645
@@ -94,7 +94,7 @@ HALF_WIDTH_OF_90_PERCENT_INTERVAL_SD = 1.645
 
 
 MAX_INTERVAL_TO_PRIOR_WIDTH_RATIO = 0.5
-"""A parameter is told where its interval is narrower than this share of what was assumed."""
+"""A parameter is reported if its interval is narrower than this share of what was assumed."""
 
 
 MAX_SEARCH_WINDOWS = 120
@@ -129,7 +129,7 @@ def identify_parameters(
     bearing: int = 1,
     phases: bool = True,
 ) -> IdentificationResult:
-    """Ask a recording what of its application is otherwise.
+    """Identify from a recording which parameters of its application differ.
 
     Parameters
     ----------
@@ -166,7 +166,7 @@ def identify_parameters(
     model = BearingModel(application, state=state, bearing=bearing, scene=scene)
     check_stiffness_keys(model.response)
     level = _smoothed(cuts.noise)
-    # What is small beside the rest of its order is told no better than that.
+    # What is small compared with the rest of its order is known no better than that.
     size = np.abs(cuts.amplitude)
     rough = size**2 + np.nanmean(size[:, 1:2] ** 2, axis=-1, keepdims=True)
     noise = np.nan_to_num(np.sqrt(level**2 + MODEL_ERROR_SHARE_PER_WINDOW**2 * rough), nan=1.0)
@@ -198,13 +198,13 @@ def identify_parameters(
 
 STIFFNESS_SEARCH_FACTOR = 2.25
 """How many times stiffer or softer than written rubber is looked for. A case of two bearings whose
-file had one twice as stiff as it was had been told, and surely, that it was four times that."""
+file had one twice as stiff as it was had been identified, as certain, as four times that."""
 
 MAX_RIVAL_MINIMA = 3
-"""How many of the places that were found are asked again with what the model leaves out alike."""
+"""How many of the places that were found are fitted again with what the model leaves out alike."""
 
 WINDOWS_PER_CORRELATED_ERROR_BLOCK = 12
-"""Windows beside one another that err together."""
+"""Adjacent windows that err together."""
 
 
 def _smoothed(noise: FloatArray) -> FloatArray:
@@ -289,7 +289,7 @@ def _searched(
 def _ended(
     fit: LeastSquaresFit, free: list[FreeParameter], x: FloatArray, **how: Any
 ) -> _FittedMinimum:
-    """Return where least squares end that begin at a place (p,), as `least` is told."""
+    """Return where least squares end that begin at a place (p,), as `least` is called."""
     at = levenberg_marquardt(partial(fit.rows, free), x, **how)
     return _FittedMinimum(at.x, at.residuals, at.jacobian, free)
 
@@ -346,9 +346,9 @@ def _told(
     """Return what was found with its intervals: of the best minimum, and of those as likely.
 
     Gains are those of the plain fit, given with its widths. What the model leaves out of the force
-    alike at all speeds cannot be told from them, so where it is allowed for, what was assumed
-    decides; the plain amplitude is what was recorded, and by it force is read back. The interval
-    holds both.
+    alike at all speeds cannot be distinguished from them, so where it is allowed for, what was
+    assumed decides; the plain amplitude is what was recorded, and by it force is read back. The
+    interval holds both.
     """
     found = minima[0]
     rivals = [

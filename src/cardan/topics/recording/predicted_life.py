@@ -5,10 +5,10 @@ bearing: that of the line as it was identified is taken off, that of the changed
 the same torque and speed is put on, each through the stress that a unit force was found to make
 at the gauge. Held against a multibody engine that drives the changed line: `docs/case.md`.
 
-The force on the bearing (`bearing_force_history`) is told the same way: the joints' by the line,
-the rest read back from the gauges. By the joints alone a bend whose joints are cured was promised
-31 000 hours where it has 10 440: at a slope of 9 a little road on what is left of order 2 counts
-thrice.
+The force on the bearing (`bearing_force_history`) is computed the same way: the joints' by the
+line, the rest read back from the gauges. By the joints alone a bend whose joints are cured was
+promised 31 000 hours where it has 10 440: at a slope of 9 a little road on what is left of order 2
+counts thrice.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -102,9 +102,9 @@ def bearing_force_history(
     """Force on the bearing over a recording, (n,) s and (n, 3) N, vehicle axes: all that shakes it.
 
     The joints' is that of the line as it was identified, or of another one driven so. What gauges
-    feel beside the joints, road, engine and what is unbalanced, is the least force that does so,
-    without what is slower than `MAX_SPEED_TO_ANGLE_INTEGRATION_S`: a zero that creeps. A gauge that
-    has a hole is taken to have felt what the line says.
+    feel in addition to the joints, road, engine and what is unbalanced, is the least force that
+    does so, without what is slower than `MAX_SPEED_TO_ANGLE_INTEGRATION_S`: a zero that creeps. A
+    gauge that has a hole is taken to have felt what the line says.
 
     Parameters
     ----------

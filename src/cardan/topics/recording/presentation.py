@@ -111,7 +111,7 @@ def campaign_text_lines(of: CampaignAssessment, say: Translator = ENGLISH) -> It
 
 
 def customer_damage_lines(of: CampaignAssessment, say: Translator) -> Iterator[str]:
-    """Yield what a share of customers does to each gauge, where the campaign asks for one."""
+    """Yield what a share of customers does to each gauge, if the campaign requests one."""
     for gauge, (rate, bound) in of.customer_damage_rates.items():
         yield say(
             "{gauge}: {share} of customers do at most {rate} damage per hour (90 % bound {bound}), "
@@ -198,7 +198,7 @@ def mix_caveat_lines(one: MixGaugeResult, say: Translator) -> Iterator[str]:
 
 
 def recording_mix_life_text(of: MixGaugeResult, say: Translator) -> str:
-    """Return how many hours of a mix a gauge lives, or why nobody knows."""
+    """Return how many hours of a mix a gauge lives, or why that is unknown."""
     if of.vetoes:
         return say("data rejected")
     return _long(of.life.hours if of.has_signal else math.nan, say)
@@ -212,7 +212,7 @@ def _shares(of: JointAttribution, say: Translator) -> dict[str, str]:
 
 def recording_answer(found: StudyResult[RecordingAssessment]) -> RecordingAssessment:
     """Return the answer of a recording, which its study always has."""
-    assert found.answer is not None  # of a recording that could be asked
+    assert found.answer is not None  # of a recording that could be assessed
     return found.answer
 
 
@@ -244,7 +244,7 @@ def terminal_lines(
 
 
 def _said_more(of: RecordingAssessment, say: Translator) -> Iterator[str]:
-    """Yield what a recording was asked beyond damage and cause as lines of text."""
+    """Yield results of a recording beyond damage and cause as lines of text."""
     for one in of.alternative_readings:
         yield from bus_error_lines(one, say)
     for one in of.usage:
@@ -419,7 +419,7 @@ def gauge_rows(lives: Sequence[GaugeAssessment], say: Translator) -> list[tuple[
 def damage_cause_rows(
     name: str, causes: DamageCausesByGauge, k: int, say: Translator
 ) -> list[tuple[str, ...]]:
-    """Return who did the damage at a gauge as rows, their heads first."""
+    """Return the causes of damage at a gauge as rows, their heads first."""
     found = causes.attributions[k]
     whole = found.total_damage or math.nan
     head = (say("{gauge}: cause", gauge=name), say("share"), say("without it"), say("alone"))
@@ -474,7 +474,7 @@ def joint_verdict_sentence(
     if evidence is not None:
         shares = _shares(evidence, say)
         if evidence.f_statistic < MIN_DETECTION_F_STATISTIC and evidence.verdict == UNDETERMINED:
-            # A share of nought beside "cannot tell" would be read as an acquittal.
+            # A share of zero next to "undetermined" would be read as "do not dominate".
             return say(
                 "{gauge}: UNDETERMINED: no component is locked to the shaft; by phase and torque "
                 "{share} of the damage would go with the joints (90 % interval {low} to {high}). "

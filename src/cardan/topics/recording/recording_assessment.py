@@ -74,26 +74,26 @@ class RecordingAssessment:
     Attributes
     ----------
     campaign
-        What it was asked.
+        Its settings.
     lives
         One a gauge of the plan; nan at those that have no samples.
     causes
-        Of the gauges that said something, in their order; None where no speed tells causes
-        apart.
+        Of the gauges with a result, in their order; None if no speed separates the causes
+        of damage.
     profile
-        The limits' name; "" where no profile was asked.
+        The limits' name; "" if no profile applies.
     angle
         How far the shaft has turned, as the stress has it; None where unknown.
     identification
-        What the recording says of its application; None where it was not asked.
+        What the recording says of its application; None if not requested.
     pictures
-        Its gauges as arrays to draw; None where nobody wants to.
+        Its gauges as arrays to draw; None if not needed.
     used
-        When and where its gauges' damage came; none where it was not asked.
+        When and where its gauges' damage came; none if not requested.
     promised
         What gauges would do with the changed line; none where none was given.
     otherwise
-        Its gauges judged by strain, by a crack, by odds; none where it was not asked.
+        Its gauges judged by strain, by a crack, by odds; none if not requested.
     misread
         Channels of speed and torque in which a bus wrote that it had no value.
     """
@@ -121,6 +121,6 @@ class RecordingAssessment:
 
     @property
     def lacks_prediction(self) -> bool:
-        """Return whether a changed line was asked about, and nothing is known of the driven one."""
+        """Return whether a changed line was requested, and nothing is known of the driven one."""
         asked = self.options.changed is not None and self.identification is not None
         return asked and not self.predicted_lives

@@ -33,7 +33,7 @@ class RecordingCampaignStudy:
     name: str = RECORDING_STUDY_NAME
 
     def applies_to(self, application: Application) -> bool:
-        """Whether the application is about this: somebody named a recording of it."""
+        """Whether the application is about this: a recording of it is named."""
         del application
         return True
 
@@ -45,7 +45,7 @@ class RecordingCampaignStudy:
     def run(
         self, application: Application, tell: ProgressCallback = ignore_status
     ) -> "StudyResult[CampaignAssessment]":
-        """Ask every recording of the campaign."""
+        """Assess every recording of the campaign."""
         from cardan.topics.recording.campaign_study import analyse_campaign
         from cardan.topics.recording.life_verdict import unevaluated_checks_of_unknown_lives
 

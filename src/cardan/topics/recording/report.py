@@ -1,4 +1,4 @@
-"""The story that a report tells of a recording, or of a campaign of some."""
+"""The story of a report on a recording, or on a campaign of some."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -41,9 +41,9 @@ MAX_NAMED_FILES = 2
 def recording_report(
     of: StudyResult[RecordingAssessment], *, say: Translator, issue: ReportDateAndSourceStamp
 ) -> ReportDocument:
-    """Return the story of a recording: the verdict, its gauges, who did the damage."""
+    """Return the story of a recording: the verdict, its gauges, the causes of damage."""
     say, heard = say.with_minus_sign, of.answer
-    assert heard is not None  # of a recording that could be asked
+    assert heard is not None  # of a recording that could be assessed
     governing = governing_gauge(of, gauge_results(of))
     shown = governing.name if governing is not None else ""
     chapters = [
@@ -61,7 +61,7 @@ def campaign_report(
 ) -> ReportDocument:
     """Return the story of a campaign: the verdict, the mix, then each recording."""
     say, found = say.with_minus_sign, of.answer
-    assert found is not None  # of a campaign that could be asked
+    assert found is not None  # of a campaign that could be assessed
     chapters = [
         first_page_chapter(of, say),
         Chapter(title=say("Verdict"), blocks=tuple(_judged(of, say))),
@@ -74,7 +74,7 @@ def _recorded(
     of: StudyResult[Any], title: str, profile: str, chapters: Sequence[Chapter], *, say: Translator,
     issue: ReportDateAndSourceStamp,
 ) -> ReportDocument:  # fmt: skip
-    """Return the story of recordings that chapters tell."""
+    """Return the story of recordings that the chapters make up."""
     verdict = assessment_verdict(of)
     coverage = coverage_of(of)
     more = ""
@@ -90,7 +90,7 @@ def _recorded(
         language=say.code,
         title=title,
         subtitle=say("Recording: damage, life and cause"),
-        # Nothing asked is nothing approved.
+        # Nothing evaluated is nothing approved.
         grade=verdict or "incomplete",
         verdict=say(VERDICT_TEXTS[verdict]).upper() if verdict else say("No limit given"),
         facts=(
@@ -122,7 +122,7 @@ def _files_chapter(files: Sequence[tuple[str, str]], say: Translator) -> Chapter
 
 
 def _judged(of: StudyResult[Any], say: Translator) -> Iterator[Block]:
-    """Yield each limit of a recording where it is worst, and what got no answer."""
+    """Yield each limit of a recording where it is worst, and what is not evaluated."""
     rows = worst_check_per_limit(of.checks)
     if rows:
         yield Table(

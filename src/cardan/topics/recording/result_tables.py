@@ -90,7 +90,7 @@ def order_track(of: RecordingAssessment | CampaignAssessment) -> Columns:
     """Return orders of each gauge in windows of whole turns, a pass over each recording more.
 
     The stress is amplitude times cos(order times shaft angle plus phase) in each window, 0 to
-    peak; `noise_MPa` is what stands beside the order.
+    peak; `noise_MPa` is the level next to the order.
 
     Raises
     ------

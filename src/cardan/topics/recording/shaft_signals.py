@@ -38,7 +38,7 @@ from cardan.topics.recording.channel_reading import (
 from cardan.topics.recording.options import AnalysisOptions, parse_rule
 
 MIN_MEASURABLE_TACHO_SPEED_REV_S = 25.0
-"""Turns/s that a shaft's tacho must be able to tell: 1500 rpm."""
+"""Turns/s that a shaft's tacho must be able to resolve: 1500 rpm."""
 
 MAX_SHAFT_SPEED_REV_S = 200.0
 """Turns a second that no propshaft makes: 12,000 rpm."""

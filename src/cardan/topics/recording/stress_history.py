@@ -25,7 +25,7 @@ from cardan.physics.signals.faults.intervals import merge_runs
 MAX_ENVELOPE_COLUMNS = 600
 """Columns of an envelope, at most: a page shows no more."""
 MAX_STRETCHES = 45
-"""Stretches of a recording that damage is told apart by, at most."""
+"""Stretches of a recording that damage is divided by, at most."""
 STRETCH_LENGTHS_S = (
     0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0, 1800.0,
     3600.0, 7200.0, 14400.0, 28800.0, 86400.0,

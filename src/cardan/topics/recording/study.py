@@ -1,6 +1,6 @@
 """Life of the gauges of a recording, and what did the damage.
 
-The question is asked of a recording and its options rather than of an application: where
+The study evaluates a recording with its options rather than an application: if
 there is one it only predicts. What is limited are rows of a profile, and a target.
 """
 
@@ -108,7 +108,7 @@ class RecordingStudy:
     def run(
         self, recording: Recording, tell: ProgressCallback = ignore_status
     ) -> StudyResult[RecordingAssessment]:
-        """Ask.
+        """Run the study.
 
         Raises
         ------
@@ -211,7 +211,7 @@ def analyse_recording(
     *,
     draw: bool = False,
 ) -> StudyResult[RecordingAssessment]:
-    """Open a recording and ask it: what a command and the public face call.
+    """Open a recording and assess it: what a command and the public interface call.
 
     Raises
     ------
@@ -231,7 +231,7 @@ def analyse_recording(
 
 
 def _progress(recording: Recording, tell: ProgressCallback) -> room.ProgressCallback:
-    """Return what tells the seconds done, of how many where that is known."""
+    """Return the function that reports the seconds done, of how many where that is known."""
     total = recording.samples / recording.rate if recording.samples else 0.0
 
     def told(name: str, seconds: float) -> None:
@@ -257,7 +257,7 @@ def _if_worst(lives: Sequence[GaugeAssessment]) -> dict[str, LifeEstimate]:
 UNUSUALLY_HIGH_SHAFT_SPEED_REV_S = 60.0
 """Turns a second that few propshafts reach: 3600 rpm."""
 MAX_SPEED_GAP_SHARE = 0.1
-"""Share of a recording without a speed from which nobody knows its way."""
+"""Share of a recording without a speed from which its distance is unknown."""
 
 
 def _unheard(angle: ShaftAngle, seconds: float) -> tuple[float, float]:
@@ -267,7 +267,7 @@ def _unheard(angle: ShaftAngle, seconds: float) -> tuple[float, float]:
 
 
 def _held(angle: ShaftAngle, seconds: float) -> bool:
-    """Return whether so little of a speed is missing that the speed beside may stand in."""
+    """Return whether so little of a speed is missing that the neighbouring speed may stand in."""
     return (
         sum(_unheard(angle, seconds)) + float(np.diff(angle.speed_gaps).sum())
         <= MAX_SPEED_GAP_SHARE * seconds
@@ -341,12 +341,12 @@ def _distance(campaign: AnalysisOptions, angle: ShaftAngle | None, seconds: floa
         return math.nan
     shaft = angle.rotation
     turned = float(shaft.turns[-1] - shaft.turns[0])
-    # Who is said to have turned nowhere was not driven: the speed is not what it is taken for.
+    # A shaft that never turned was not driven: the speed is not what it is taken for.
     return turned / ratio * RADIANS_PER_TURN * radius if turned > 0 else math.nan
 
 
 def _unspoilt(causes: DamageCausesByGauge, lives: Sequence[GaugeAssessment]) -> DamageCausesByGauge:
-    """Return causes that accuse and acquit nobody at a gauge that is vetoed."""
+    """Return undetermined causes for a gauge whose data are rejected."""
     vetoed = {one.name for one in lives if one.vetoed}
     return replace(
         causes,
@@ -384,7 +384,7 @@ def _causes(
     campaign: AnalysisOptions, recording: Recording, plan: AssessmentSettings, angle: ShaftAngle, *,
     healths: dict[str, ChannelReport], predicted: dict[str, float], progress: room.ProgressCallback,
 ) -> DamageCausesByGauge:  # fmt: skip
-    """Return who did the damage at a plan's gauges."""
+    """Return the causes of damage at a plan's gauges."""
     ratio, shaft = campaign.axle_ratio, angle.rotation
     orders = parse_numbers(campaign.engine_orders) if campaign.engine_orders else ()
     named = vibration_sources(
@@ -492,7 +492,7 @@ def _shaken(
     *,
     seconds: float,
 ) -> tuple[OperationalMode, ...]:
-    """Return the modes that gauges feel beside the orders of shaft and engine."""
+    """Return the modes that gauges feel in addition to the orders of shaft and engine."""
     orders = parse_numbers(campaign.engine_orders) if campaign.engine_orders else ()
     return identify_operational_modes(
         order_free_spectra(
@@ -519,10 +519,10 @@ def _promised(
 ) -> tuple[PredictedLife, ...]:
     """Return what the changed line promises at the gauges that the line was identified by.
 
-    Of one that is vetoed nothing.
+    Nothing for a gauge whose data are rejected.
     """
     changed = campaign.changed
-    assert changed is not None  # who asks looks
+    assert changed is not None  # checked by the caller
     sound = {one.name: one for one in lives if not one.vetoed}
     own = _identifying(plan, of)
     own = replace(own, gauges=tuple(g for g in own.gauges if g.name in sound))
@@ -560,7 +560,7 @@ def recorded_bearing_force(
 
     Of the line as it was identified, or of the campaign's changed one.
     """
-    assert of.identification is not None  # who asks looks
+    assert of.identification is not None  # checked by the caller
     assert of.angle is not None
     healths = {name: one for life in of.lives for name, one in life.channel_reports.items()}
     stress = room.gauge_stresses(

@@ -23,13 +23,13 @@ from cardan.physics.signals.usage_profile import (
 )
 
 SPEED_BAND_WIDTH_REV_S, TORQUE_BAND_WIDTH_NM = 250 * rpm / (2 * np.pi), 500.0
-"""Width of the bands that damage is told in, turns/s and N m."""
+"""Width of the bands that damage is reported in, turns/s and N m."""
 
 SHORTENED_TEST_DAMAGE_SHARE = 0.95
 """Share of the damage that a shortened test keeps."""
 
 MAX_TORQUE_GAP_S = 1.0
-"""Seconds from the next value of a torque beyond which none is told."""
+"""Seconds from the next value of a torque beyond which none is assigned."""
 
 GEAR_SAMPLING_RATE_HZ = 10
 """Times a second at which it is known what gear was in."""
@@ -109,20 +109,20 @@ def damage_by_usage(
     found, lives
         Of the gauges that said something; one after the other, in the memory of one.
     count
-        Seconds that each tells apart.
+        Length of each interval, in seconds.
     angle, engine
         Of the shaft, and what the engine turns, where they are known. No band, place or gear is
-        told where nothing says the shaft's speed.
+        reported if the shaft's speed is unknown.
     torque : (n,) N m and Hz
         As it was read.
     per_turn : m
         Way of the vehicle for a turn of the shaft; nan where unknown.
     begins : s
-        Where the recording does on the clock of its file, by which times are told.
+        Where the recording does on the clock of its file, by which times are given.
     held
-        Whether the way there is counted with the speed beside it; unknown otherwise.
+        Whether the way there is counted with the neighbouring speed; unknown otherwise.
     second : s
-        How long each of what is told apart lasts.
+        How long each interval lasts.
     """
     driven = _DriveConditions(count, second, angle, engine, torque)
     metres = None if driven.turns is None or np.isnan(per_turn) else driven.turns * per_turn
@@ -162,7 +162,7 @@ def damage_by_usage(
                 )
                 for p, speed, load, gear in beside
             ],
-            # Of a life: its crests between samples, and its time alive without what is frozen.
+            # Of a life: its crests between samples, and its valid time without what is frozen.
             long_run=extrapolate_damage(
                 one, curve=plan.curve, spoiled=life.vetoed
             ).with_recorded_rate(life.life.damage / max(life.life.duration, 1e-9)),
@@ -180,7 +180,7 @@ def damage_by_usage(
             else 0.0,
         )
 
-    return tuple(map(told, found, lives))  # which lets go of each before it asks for the next
+    return tuple(map(told, found, lives))  # which releases each before the next
 
 
 EMPTY_USAGE_BIN = UsageBin("", 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -248,7 +248,7 @@ class _DriveConditions:
     def sorts(self, time: FloatArray) -> dict[str, list[str]]:
         """Name the sort of each second (n,), with torque and gear at a time (n,) s within it."""
         found: dict[str, list[str]] = {}
-        # Of what was not heard it is told how it was driven all the same.
+        # How it was driven is reported for what was not recorded, too.
         time = np.where(np.isnan(time), self.middle[: time.size], time)
         if any(self.names):
             found["gear"] = self.gear_at(time)

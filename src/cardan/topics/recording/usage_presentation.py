@@ -17,7 +17,7 @@ GROUPING_TITLES = {
     "speed": "shaft speed, rpm",
     "torque": "shaft torque, N m",
 }
-"""What damage is told by."""
+"""What damage is divided by."""
 
 UNASSIGNED_TITLES = {"gear": "in no gear", "speed": "speed not known", "torque": "torque not known"}
 """What is in none of these."""
@@ -32,7 +32,7 @@ UNKNOWN_DAMAGE_RATE_REASON_TEXTS: Mapping[UnknownReason, str] = {
     "wide": "the interval spans more than a factor of thirty; record for longer",
     "data rejected": "what is wrong with the recording decides it",
 }
-"""Why nobody can know what it comes to in the long run."""
+"""Why its long-run value is unknown."""
 
 
 def _number(value: float) -> float | None:
