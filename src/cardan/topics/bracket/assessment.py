@@ -61,7 +61,7 @@ HIGHEST_SPEED_CONDITION_LABEL = "highest speed"
 
 @dataclass(frozen=True, kw_only=True)
 class BracketResult:
-    """A bracket judged, and its reinforced variant beside it where there is one."""
+    """A bracket assessed, and its reinforced variant if there is one."""
 
     title: str
     bracket: Bracket
@@ -70,7 +70,7 @@ class BracketResult:
     series_stiffness: tuple[float, float] | None = None
     """Stiffness of rubber and bracket in series, up and level, N/m, where no other is given."""
     has_life_loads: bool = False
-    """Whether there is a duty cycle, or a recording, whose life curves alone would tell."""
+    """Whether there is a duty cycle, or a recording, whose life needs S-N curves only."""
 
 
 def run_bracket_study(
@@ -102,7 +102,7 @@ def analyse_bracket(
     extra: Sequence[BearingLoadCase] = (),
     tell: StatusCallback = ignore_status,
 ) -> BracketResult:
-    """Return what an application's bracket bears, and its reinforced variant beside it."""
+    """Return what an application's bracket bears, and its reinforced variant."""
     bracket = _bracket(application)
     bench = BracketShapeAssessor.from_application(application, extra=extra)
     variants = [bench.assess(bracket.shape, name="original", tell=tell)]
@@ -187,7 +187,7 @@ class BracketShapeAssessor:
     ) -> ShapeAssessment:
         """Judge one shape, on as many meshes at most; the first is made for a rigid bracket."""
         bracket, response = self.bracket, self.response
-        if levels == 1:  # of a first mesh, which tells what is far off, contact is not asked
+        if levels == 1:  # on a first mesh, a rough estimate, contact is not computed
             bracket = replace(bracket, bolts=None)
         cases = (
             *load_cases(bracket, response),
@@ -231,7 +231,7 @@ def bracket_checks(
 
 
 def _parted(of: BracketResult, one: Check, kinder: float) -> bool:
-    """Return whether the two ways to hold the flange part a verdict, of which the worse is told.
+    """Return whether the two ways to hold the flange give two verdicts; the worse is reported.
 
     Or leave a life that may fall short more open than contact does. Nowhere where `kinder` is nan.
     """
@@ -262,7 +262,7 @@ class _Value(NamedTuple):
 
 
 def _values(of: BracketResult, variant: ShapeAssessment, quantity: str) -> Iterator[_Value]:
-    """Yield under which loads, at which point and where what a limit asks about is worst, SI."""
+    """Yield under which loads, at which point and where the value under a limit is worst, SI."""
     if quantity == "bracket_stress_utilisation":
         bears = np.array(
             [yield_strength_at_feature(of.bracket.material, f) for f in variant.features]
@@ -295,7 +295,7 @@ def _values(of: BracketResult, variant: ShapeAssessment, quantity: str) -> Itera
         for endured in (*variant.duty_damage, *lives):
             for _, mine in _by_zone(variant):
                 if np.isnan(endured.hot_spot_damage[mine]).all():
-                    continue  # nobody knows what it bears
+                    continue  # its strength is unknown
                 worst = max(mine, key=lambda k: float(endured.hot_spot_damage[k]))
                 low, high = (h * hour for h in endured.at_spots(mine).hours_bounds)
                 yield _Value(
@@ -491,7 +491,7 @@ def _of_state(
 def _elsewhere(
     bracket: Bracket, response: LineResponse, s: int, found: OperatingPointResults
 ) -> Iterator[BearingLoadCase]:
-    """Yield the case of each operating point of a state that its bearing was asked at."""
+    """Yield the case of each operating point of a state at which its bearing was evaluated."""
     state, once = response.demand.states[s], response.rigid_loads.unbalance_forces
     for p in range(len(found.speed)):
         point = found.operating_point((p, s))
@@ -522,7 +522,7 @@ def load_cases_from_recordings(
 ) -> Iterator[BearingLoadCase]:
     """Yield a case of each recording; strains become forces by the gauges of a bracket solved.
 
-    Who read forces back himself did so by the sliding flange, whose influence is told. Without a
+    A user who read forces back did so by the sliding flange, whose influence is given. Without a
     bracket solved, a case of each recording of forces.
     """
     for one in bracket.recordings:
@@ -578,7 +578,7 @@ def _round_the_turn(
     if once is not None:
         theta = 2 * np.pi * np.arange(2 * SAMPLES_PER_HALF_TURN) / (2 * SAMPLES_PER_HALF_TURN)
         round_ = np.stack([np.zeros_like(theta), np.cos(theta), np.sin(theta)], axis=-1)
-        # Nobody knows where the heavy spot is: each of eight places is tried. Those opposite are
+        # Where the heavy spot is, is unknown: each of eight places is tried. Those opposite are
         # the same half a turn later, when all else has come back.
         starts = [np.roll(round_, 2 * SAMPLES_PER_HALF_TURN // 8 * j, axis=0) for j in range(4)]
         peak = np.concatenate([turn + once * start for start in starts])

@@ -74,7 +74,7 @@ def _evaluate_case(
 ) -> tuple[CaseResult, list[FeaturePeaks]]:
     """Return what one case does, the worse of both ways of holding, and the peaks of each.
 
-    In fatigue of so many `times` of its own the stress that is told.
+    In fatigue, so many `times` its own stress.
     """
     count = ways[0].count
     times = np.ones(count) if case.stress_factors is None else case.stress_factors

@@ -73,7 +73,7 @@ def bracket_chapters(
 
 
 def bracket_blocks(found: StudyResult[BracketResult], say: Translator) -> Iterator[Block]:
-    """Yield what a study of a bracket found, original beside reinforced.
+    """Yield what a study of a bracket found, original next to reinforced.
 
     Raises
     ------
@@ -170,7 +170,7 @@ def _compared(of: BracketResult, say: Translator) -> Table:
 
 
 def _of_hours(v: ShapeAssessment, say: Translator) -> str:
-    """Return what hours to failure are told of."""
+    """Return what hours to failure refer to."""
     as_recorded = v.life_results and not v.duty_damage
     return say("hours to failure, driven as recorded") if as_recorded else say("hours to failure")
 

@@ -3,8 +3,8 @@
 What presses a flange lifts off and rubs, so stress is no sum of unit stresses. Of each load
 history those moments are followed between which its features swing most, each from the
 tightened state; the swing of each feature, over that the two ways to be held make of it, then
-scales all its cycles in that history. How much of what they bear its loads ask of the bolts is
-told for every case: where that is more than all, nothing is scaled, and the joint slides.
+scales all its cycles in that history. The share of their strength that the bolts use is
+reported for every case: where that is more than all, nothing is scaled, and the joint slides.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,15 +27,15 @@ MAX_CONTACT_STRESS_ERROR_SHARE = 0.2
 under the same heads, 6 % with bolts that give, and shapes that were not compared may have more
 (docs/bracket-method.md)."""
 MIN_CONTACT_TO_COMPUTED_STRESS_RATIO = 1 / (1 + MAX_CONTACT_STRESS_ERROR_SHARE) ** 2
-"""Of what is told of stress in contact its least: without that share, and as much below."""
+"""Least ratio of true to reported stress in contact: without that share, and as much below."""
 _LOW = 0.2
 """Share of the most used feature below which one is left as the two ways have it."""
 _ALIKE = 0.03
 """Share of a history's range within which two of its moments are one."""
 _PLANES = 3
-"""Of the planes of a place each third is asked: what is missed, 2 % of shear, both have alike."""
+"""Of the planes of a place one in three is evaluated: both ways miss the same 2 % of shear."""
 _SHARES = 8
-"""Moments of a history at most of which it is asked what the bolts bear."""
+"""Moments of a history at most of which the bolts are evaluated."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +47,7 @@ class ContactResult:
     when
         That case; None where none that repeats is held, or no fatigue limit is known.
     times : (features,)
-        Swing of each feature in contact, on its safe side, over that told by the worse of the two
+        Swing of each feature in contact, on its safe side, over that by the worse of the two
         ways held.
     told : (features,)
         What that case uses of each feature's fatigue limit by the two ways.
@@ -110,10 +110,10 @@ class BoltedContactAnalysis:
         return self.worst_slip(loads)[1]
 
     def worst_slip(self, loads: FloatArray) -> tuple[int, float]:
-        """Return at which moment loads (t, 9) ask most of the bolts, and that `share`.
+        """Return at which moment loads (t, 9) use most of the bolts' strength, and that `share`.
 
-        The most of all moments: where no other can have more by what balance said of those
-        asked, or after so many. Balance knows no frame, contact does: of both frames the worse.
+        The most of all moments: where no other can have more by the balance of those
+        evaluated, or after so many. Balance knows no frame, contact does: of both frames the worse.
         """
         planes = np.zeros((0, len(UNIT_LOAD_NAMES)))
         asked: dict[int, float] = {}
@@ -133,7 +133,7 @@ class BoltedContactAnalysis:
         )
 
     def stress_factors(self, passes: Sequence[FloatArray]) -> FloatArray:
-        """Return swings (features,) over those told, on their safe side, of a history (t, 9).
+        """Return safe swings (features,) over those without contact, of a history (t, 9).
 
         It is given in passes of which only the worst happens. Where no contact bears its loads
         each is 1.
@@ -177,7 +177,7 @@ class BoltedContactAnalysis:
         return ends, widest
 
     def _swings(self, loads: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return what swings between loads (t, 9) use of each feature's limit: told, in contact.
+        """Return the use of each feature's limit between loads (t, 9): without and in contact.
 
         In contact with the frame that makes it worse.
         """
@@ -216,7 +216,7 @@ class BoltedContactAnalysis:
 
 
 def enlarge_by_contact_error(times: FloatArray) -> FloatArray:
-    """Return swings over those told, as much larger as contact may be wrong.
+    """Return swings over those without contact, as much larger as contact may be wrong.
 
     The two ways to be held are no bound: what lifts off pries, and neither of them does.
     """

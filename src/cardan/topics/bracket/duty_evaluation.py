@@ -36,8 +36,8 @@ def evaluate_duty_cycle(
     """Return the mean second of the duty cycle in each state, and the worst one's map.
 
     The map is damage of an hour (surface nodes,), in the state where it is largest; with it,
-    its peaks for each way of holding. Of each feature the worst of all places is told; those that
-    are a thousandth as bad as the worst stand in the map by their largest cycle alone.
+    its peaks for each way of holding. Of each feature the worst of all places is reported; those
+    that are a thousandth as bad as the worst stand in the map by their largest cycle alone.
     """
     spent: list[DamageResult] = []
     if not strength:

@@ -31,8 +31,8 @@ def swing_utilisation(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return what the normal stress uses of a fatigue limit at every place, its mean and amplitude.
 
-    In the pass (p, t, c) and on the plane that use most; of so many `times` (features,) the stress
-    that is told. Where no zone's limit is stated, the amplitude itself; where it cannot be the
+    In the pass (p, t, c) and on the plane that use most; with so many `times` (features,) the
+    stress computed. Where no zone's limit is stated, the amplitude itself; where it cannot be the
     worst of a feature, 0. Where von Mises stress is highest may be far from there: what is steady
     swings nothing.
     """
@@ -141,7 +141,7 @@ def _by_zone(
 def known_zone_factors(
     kinds: IntArray, strength: Mapping[FatigueZone, ZoneFatigueStrength]
 ) -> FloatArray:
-    """Return 1 for zones (m,) whose strength somebody knows, nan for others."""
+    """Return 1 for zones (m,) of known strength, nan for others."""
     return np.array([1.0 if FATIGUE_ZONES[k] in strength else np.nan for k in kinds.tolist()])
 
 
@@ -157,7 +157,7 @@ def place_damage(
 ) -> FloatArray:
     """Return the damage (m,) of passes at places, each by the curve of its zone.
 
-    Of so many `times` (m,) the stress that is told; passes have a scale of each feature. Where
+    With so many `times` (m,) the stress computed; passes have a scale of each feature. Where
     it is less than a share `closely` of the worst, or no more than `least` (m,), the largest cycle
     alone counts.
     """
@@ -232,9 +232,9 @@ def damage_bounds_of(
 def favourable_values(
     ways: Sequence[BoundaryCase], each: Sequence[FloatArray], *, tight: bool
 ) -> FloatArray:
-    """Return what is told (features,) of the flange held the kinder way, of what either way has.
+    """Return values (features,) by the more favourable of both ways to hold the flange.
 
-    In contact, which is neither, what the harsher has: contact has been told beside that one.
+    In contact, which is neither way, the less favourable: contact is reported relative to it.
     """
     had = np.where([way.has for way in ways], each, np.nan)
     return np.asarray((np.fmax if tight else np.fmin).reduce(had)) if each else np.zeros(0)

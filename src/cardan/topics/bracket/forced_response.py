@@ -29,7 +29,7 @@ _BEYOND = 4.0
 RIGID_MOUNT_STIFFNESS_RATIO = 100.0
 """Times as stiff as the bracket, from which rubber is as good as rigid."""
 _LISTED = 1000.0
-"""Hz, up to which modes are told."""
+"""Hz, up to which modes are reported."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -92,9 +92,9 @@ class ForcedResponse:
 
 
 def has_elastic_mount(response: LineResponse, bracket: Bracket) -> bool:
-    """Whether anybody says how the bearing hangs in its bracket: no bearing hangs rigidly.
+    """Whether it is given how the bearing hangs in its bracket: no bearing hangs rigidly.
 
-    Then what comes at a speed can be told; else loads are those of rigid supports.
+    Then the response at a speed can be computed; else loads are those of rigid supports.
     """
     shaft = response.line.shafts[bracket.bearing - 1]
     bearing = shaft.centre_bearing
@@ -106,8 +106,8 @@ def line_response_on_bracket(
 ) -> LineResponse:
     """Return a line's response with its bearing in a bracket that gives.
 
-    The rubber is that of the bracket, or of a bearing whose bracket is told apart. Where it is
-    not, the bearing's stiffness is that of rubber and bracket in series, as the driveline gives
+    The rubber is that of the bracket, or of a bearing whose bracket is given separately. Where it
+    is not, the bearing's stiffness is that of rubber and bracket in series, as the driveline gives
     it, and what is left of it without the bracket is the rubber's; where nothing is left of it the
     bearing is rigid that way.
     """

@@ -32,7 +32,7 @@ from cardan.topics.bracket.metal_fatigue_data import (
 )
 
 UNNAMED_LOAD_CASE = EvaluationCondition("case", "")
-"""A history that nobody named."""
+"""A history without a name."""
 
 
 def load_history_of_forces(history: ArrayLike) -> FloatArray:
@@ -80,7 +80,7 @@ def load_history_from_orders(
 
 @dataclass(frozen=True)
 class ZoneFatigueStrength:
-    """What a zone bears in fatigue: S-N curve and mean-stress correction, and who says so."""
+    """What a zone bears in fatigue: S-N curve and mean-stress correction, and its source."""
 
     curve: SNCurve
     correction: MeanStressCorrection = uncorrected
@@ -93,7 +93,7 @@ class ZoneFatigueStrength:
         """Return what a zone of a bracket bears as its file states it; None where it states none.
 
         Zones the file says nothing of bear what a cautious detail of their metal does; where no
-        code has one nobody knows. Beyond the knee Haibach's slope holds. On the sheet tensile
+        code has one it is unknown. Beyond the knee Haibach's slope holds. On the sheet tensile
         means count by Goodman where the material has an ultimate strength, else not at all; of
         what is no steel by the guideline's sensitivity where that is worse.
         """
@@ -193,7 +193,7 @@ class DamageResult:
     when
         The load case, or the duty cycle in a state.
     hot_spot_damage : (k,)
-        Damage at each hot spot; 1 is failure. Where nobody knows what its zone bears, nan.
+        Damage at each hot spot; 1 is failure. nan if the strength of its zone is unknown.
     gauge_damage : (g,)
         Damage at each gauge.
     turns
@@ -201,12 +201,13 @@ class DamageResult:
     duration : s
         Of a pass; nan where not known.
     damage_bounds : (k, 2)
-        Damage at each hot spot where stress is lower and higher than told, by its error; nan where
-        nobody estimated that.
+        Damage at each hot spot where stress is lower and higher than computed, by its error; nan
+        where it was not estimated.
     favourable_lower_bound : (k,)
         The same where it is lower and the flange is held the kinder way.
     favourable_damage : (k,)
-        The same of stress as told, and the flange held the kinder way; in contact as told.
+        The same with the computed stress, the flange held the favourable way; in contact as
+        computed.
     """
 
     when: EvaluationCondition
@@ -278,7 +279,7 @@ class DamageResult:
 
     @property
     def max_hours_by_mesh_error(self) -> float:
-        """Most hours to failure by the error of stresses alone, the flange held as it is told."""
+        """Most hours to failure by the error of stresses alone, the flange held as reported."""
         return math.nan if self.damage_bounds is None else self._hours(self.damage_bounds[:, 0])
 
     def _hours(self, spots: FloatArray) -> float:

@@ -40,16 +40,16 @@ class BearingLoadCase:
     is_dynamic: bool = False
     """Whether the bracket answers as it swings: else it is loaded as if each moment lasted."""
     stress_factors: FloatArray | None = None
-    """Swing of each feature in contact, (features,), over that told by the two ways held."""
+    """Swing of each feature in contact, (features,), over that by the two ways held."""
     occurs_once: bool = False
-    """Whether nobody knows how often it happens: it does no damage."""
+    """Whether it is unknown how often it happens: it does no damage."""
     recovered_loads: RecoveredLoads | None = None
     """How its forces were read from gauges; None where they were not."""
     stop_margin: float = np.inf
     """Share of the travel to a stop that rubber has free; negative where its forces, of linear
     rubber, are lower bounds."""
     alternatives: tuple["BearingLoadCase", ...] = ()
-    """The same at each operating point: of these the worst is told."""
+    """The same at each operating point: the worst of these is reported."""
 
     @property
     def when(self) -> EvaluationCondition:

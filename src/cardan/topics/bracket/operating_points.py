@@ -15,7 +15,7 @@ from cardan.topics.bracket.life import ZoneFatigueStrength
 from cardan.topics.bracket.load_cases import WIDEST_STRESS_SWING_CASE_NAMES, BearingLoadCase
 
 _MIN_SWING_EXCESS_RATIO = 1.01
-"""Times its swing at the point of most stress, above which the point of most swing is told too."""
+"""Ratio to its swing at the point of most stress, above which its own worst point is given too."""
 
 
 def worst_operating_points(
@@ -101,7 +101,7 @@ def _swung_most(
 ) -> None:
     """Find what passes (p, t, c) of each point use of each zone (points, zones) at some places.
 
-    Of the point that is `told` anyway, lest one that swings no more be told beside it; of those
+    Of the point that is `told` anyway, lest one that swings no more be reported too; of those
     that may use most; of others, what was `found` stays.
     """
     kind, ones = way.held.zones.kind[at], np.ones(way.count)

@@ -3,8 +3,8 @@
 A sheet that is thicker never lives shorter; that is all the search takes for granted. So of
 sizes that differ in thickness alone the thinnest that does is found by halving, and a heavier
 set is not tried where a lighter one does. Each try hangs the line in its own bracket. A first
-mesh tells which are far off; who wins is judged like any bracket, and falls where it must:
-where it lives too short, its sheet yields, a recording wears it out, or its bolts slip.
+mesh shows which are far off; the winner is assessed like any bracket, and rejected
+if its life is too short, its sheet yields, a recording wears it out, or its bolts slip.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -48,7 +48,7 @@ class EvaluatedBracketDimensions:
     refined
         Whether its mesh was made finer until its maxima stayed.
     bolt_slip : BoltSlipUtilisation
-        What asks most of its bolts, where that is more than they may be asked; else None.
+        What uses most of its bolts, if that is more than allowed; else None.
     failed_check : Check
         Where it yields, or a recording wears it out, by most; None where nowhere.
     assessment : ShapeAssessment
@@ -86,7 +86,7 @@ class OptimisationResult:
     Attributes
     ----------
     target_hours
-        Hours asked for.
+        Required life, h.
     best : EvaluatedSizes
         The lightest that lives as long, in bolts that hold; None where none does.
     evaluated
@@ -107,7 +107,7 @@ def lightest_feasible(
 ) -> tuple[int, int] | None:
     """Return which row and column is the lightest that does; None where none is.
 
-    In each row masses rise, and who does is followed by those who do. `does` is asked of as few
+    In each row masses rise, and all after one that does do too. `does` is called for as few
     as that allows, light rows first.
     """
     best, least = None, inf
@@ -208,7 +208,7 @@ def sizes_label(sizes: Mapping[str, Metre]) -> str:
 
 
 def _yield_known(material: Material, judged: ShapeAssessment) -> None:
-    """Refuse to choose among shapes of which nobody knows what they yield at beside their welds."""
+    """Refuse to choose among shapes whose yield strength next to their welds is unknown."""
     welded = any(f.beside_weld for f in judged.features)
     if welded and material.yield_strength and not material.yield_strength_at_weld:
         msg = (
@@ -219,7 +219,7 @@ def _yield_known(material: Material, judged: ShapeAssessment) -> None:
 
 
 def _slips(judged: ShapeAssessment, limits: Sequence[Limit]) -> BoltSlipUtilisation | None:
-    """Return what asks most of the bolts, where they slip, or come nearer than allowed."""
+    """Return what uses most of the bolts, where they slip, or come nearer than allowed."""
     worst = max(judged.bolt_slips, key=lambda s: s.utilisation, default=None)
     if worst is None or (
         worst.utilisation <= 1 and all(m.grade(worst.utilisation) != "fail" for m in limits)

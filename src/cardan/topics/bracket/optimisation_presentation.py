@@ -147,5 +147,5 @@ def _tried(t: EvaluatedBracketDimensions) -> dict[str, Any]:
 
 
 def _slips(t: EvaluatedBracketDimensions) -> float | None:
-    """Return what share of what its bolts hold a case asks at most; None where none says."""
+    """Return the largest share of the bolts' strength that a case uses; None if unknown."""
     return max((s.utilisation for s in t.assessment.bolt_slips), default=None)

@@ -36,7 +36,7 @@ _MAX_SEAT_MOTION_SHARE = 0.1
 _STEP_BOLT_HOLE_DIAMETER = 11 * mm
 """Of an M10, where a file draws the holes itself."""
 MAX_PRINTED_HOURS = 1e6
-"""Hours beyond which a life is not told in figures."""
+"""Hours beyond which a life is not given in figures."""
 
 
 def bracket_heading(of: BracketResult, say: Translator = ENGLISH) -> str:
@@ -180,7 +180,7 @@ def life_bounds_note(say: Translator) -> str:
 
 
 def hours_text(value: float, say: Translator, within: Iterable[float] = (np.nan, np.nan)) -> str:
-    """Return hours to failure; beyond a million nobody knows, and nobody drives.
+    """Return hours to failure; beyond a million they mean nothing, and no vehicle runs them.
 
     In brackets between what they lie, where that is known.
     """
@@ -205,7 +205,7 @@ def _three_digits(value: float, say: Translator) -> str:
 
 
 def uncertain_stress_notes(v: ShapeAssessment, say: Translator) -> Iterator[str]:
-    """Yield which places shown are known to more than a quarter only, and what tells more."""
+    """Yield which places shown are known to more than a quarter only, and what would show more."""
     if parts := [
         say.part(f.part)
         for f in v.listed_features
@@ -220,7 +220,7 @@ def uncertain_stress_notes(v: ShapeAssessment, say: Translator) -> Iterator[str]
 def contact_recommendation(
     of: BracketResult, found: Iterable[Check], say: Translator
 ) -> Iterator[str]:
-    """Yield how contact is asked for, where the two ways of holding part a verdict or a life."""
+    """Yield how to request contact, if the two ways of holding give two verdicts or lives."""
     if not any(BOLT_CONTACT_SETTLED_BY_KEY in c.deciding_inputs for c in found):
         return
     shape = of.bracket.shape
@@ -236,7 +236,7 @@ def contact_recommendation(
 
 
 def contact_notes(v: ShapeAssessment, say: Translator) -> Iterator[str]:
-    """Yield what contact made of fatigue and life, where that was asked."""
+    """Yield what contact made of fatigue and life, if requested."""
     if v.contact_result is not None and v.contact_result.when is not None:
         yield _in_bolts(v, v.contact_result, v.contact_result.when, say)
     yield from bolt_slip_notes(v, say)
@@ -254,7 +254,7 @@ def bolt_slip_notes(v: ShapeAssessment, say: Translator) -> Iterator[str]:
 def _in_bolts(
     v: ShapeAssessment, of: ContactResult, when: EvaluationCondition, say: Translator
 ) -> str:
-    """Return what contact made of fatigue and life, beside the two ways the flange is held."""
+    """Return what contact made of fatigue and life, next to the two ways the flange is held."""
     use = next(o.utilisation for o in v.case_results if o.case.when == when)
     k, f = int(np.nanargmax(of.utilisation_without_contact)), int(np.nanargmax(use))
     told = say(
@@ -332,7 +332,7 @@ def damage_method_sentence(of: BracketResult, say: Translator) -> str:
 
 
 def unknown_strength_notes(of: BracketResult, v: ShapeAssessment, say: Translator) -> Iterator[str]:
-    """Yield of which zones nobody knows what they bear, and which a weld's heat makes softer."""
+    """Yield zones of unknown strength, and those that a weld's heat makes softer."""
     material, found = of.bracket.material, fatigue_strength_by_zone(of.bracket)
     for zone in dict.fromkeys(f.zone for f in v.features if found and f.zone not in found):
         yield say(
@@ -371,7 +371,7 @@ def variant_comparison_sentence(
     """Return whether a variant is better, which it is only where its worst zone is.
 
     By life over the duty cycle or under what was recorded, else by the use of the fatigue limit,
-    else by stress. Nobody knows where a zone that no curve is known of is stressed no less.
+    else by stress. Unknown if a zone without a known curve is stressed no less.
     """
     lasts, uses = (
         [f(v) for v in (before, after)] for f in (feature_hours_to_failure, max_fatigue_utilisation)
@@ -414,7 +414,7 @@ def first_failure_text(v: ShapeAssessment, say: Translator) -> str:
 
 
 def _unknown_part_stressed_no_less(before: ShapeAssessment, after: ShapeAssessment) -> Part | None:
-    """Return what is stressed no less than its zone was, and bears what nobody knows; else None."""
+    """Return what is stressed no less than its zone was, and is of unknown strength; else None."""
     use = max_fatigue_utilisation(after)
     if not any_known(use):
         return None

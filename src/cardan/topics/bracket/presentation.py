@@ -108,7 +108,7 @@ def _numbers(
 def verdict_lines(
     approval: Approval, say: Translator = ENGLISH, *, width: int = DEFAULT_WIDTH_COLUMNS
 ) -> Iterator[str]:
-    """Yield the verdict, each limit where it is worst, and what has no answer."""
+    """Yield the verdict, each limit where it is worst, and what is not evaluated."""
     yield from summary_lines(approval, say)
     yield say("limits: {profile}", profile=approval.application.profile)
     yield from check_lines(approval, say, width=width)

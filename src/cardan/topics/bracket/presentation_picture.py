@@ -43,10 +43,10 @@ def write_picture(
 ) -> None:  # fmt: skip
     """Draw each variant `under` a case, else the original's worst, by its stress, into a PNG.
 
-    Where a duty cycle is known, the damage it does at every place of the surface: below, or beside
+    Where a duty cycle is known, the damage it does at every place of the surface: below, or next to
     it where one variant is all there is, which leaves no page of a document half empty.
 
-    `over` stands above them: the verdict, where no page around the picture tells it.
+    `over` stands above them: the verdict, if no page around the picture has it.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def _panel(
     for name, point, colour in marked:
         x, y = to_pixels(np.array([point @ right, point @ up])).tolist()
         yield svg.circle(x, y, 3, fill=colour, stroke="#000")
-        # Dark where it is blue, and light beside the part.
+        # Dark where it is blue, and light next to the part.
         yield svg.text(
             x + 5, y - 5, name, paint_order="stroke", stroke="#fff", stroke_width=3,
             stroke_linejoin="round", font_size=11,
@@ -201,7 +201,7 @@ def _panel(
 
 
 def _scale(marks: Sequence[tuple[float, str]], label: str, columns: int) -> Iterator[str]:
-    """Yield the colours from 0 to 1 beside the panels, with named places."""
+    """Yield the colours from 0 to 1 next to the panels, with named places."""
     left, height = columns * _PANEL_WIDTH_PX + 6, 0.8 * _PANEL_HEIGHT_PX
     bottom = _TITLE_HEIGHT_PX + (_PANEL_HEIGHT_PX + height) / 2
     places = (np.arange(_SCALE_STEPS) + 0.5) / _SCALE_STEPS

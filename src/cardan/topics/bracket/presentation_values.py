@@ -79,7 +79,7 @@ def damage_results(v: ShapeAssessment) -> list[DamageResult]:
 def most_damaging_results(v: ShapeAssessment) -> list[DamageResult]:
     """Return the duty cycle, and the cases that wear most: what a table shows.
 
-    Cases of a state of which the table says the same are one, told as the last of them that the
+    Cases of a state with equal rows of the table are one, reported as the last of them that the
     state has: order 2 is combined with a mean that may add nothing.
     """
     alike: dict[tuple[Any, ...], DamageResult] = {}

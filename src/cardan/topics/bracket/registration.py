@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 class BracketStudy:
     """The bracket a centre bearing hangs in, under the driveline's loads and those by hand.
 
-    `extra` cases count beside those of the application.
+    `extra` cases count with those of the application.
     """
 
     extra_cases: "tuple[BearingLoadCase, ...]" = ()
@@ -33,7 +33,7 @@ class BracketStudy:
     def run(
         self, application: Application, tell: ProgressCallback = ignore_status
     ) -> "StudyResult[BracketResult]":
-        """Judge the bracket in the shape that is installed, a reinforced one beside it."""
+        """Assess the bracket in the shape that is installed, and a reinforced one."""
         from cardan.topics.bracket.assessment import run_bracket_study
 
         return run_bracket_study(application, extra=self.extra_cases, tell=tell)

@@ -1,7 +1,7 @@
 """Judge one shape of a bracket: what each load case and the duty cycle do, zone by zone.
 
 Everything follows from the unit stresses of the last mesh by adding them up. The flange is
-held in two ways that have the truth between them, sliding and clamped, and what is told of
+held in two ways that have the truth between them, sliding and clamped, and the value reported of
 a feature is the worse of the two.
 """
 
@@ -184,7 +184,7 @@ def _beside_welds(ways: Sequence[BoundaryCase], thickness: Metre) -> BoolArray:
     """Return which features (features,) have a place that a weld's heat reaches.
 
     As far as 20 mm from the weld's toe in 6 mm, 30 in 12, 35 in 25, else 40. Source: EN 1999-1-1,
-    6.1.6.3, of MIG welds; quoted from memory, not re-read.
+    6.1.6.3, of MIG welds; quoted, unverified.
     """
     from scipy.spatial import cKDTree
 
@@ -222,7 +222,7 @@ def _bare(case: BearingLoadCase, way: BoundaryCase) -> FloatArray:
 
 
 def _held(o: CaseResult, contact: BoltedContactAnalysis, way: BoundaryCase) -> CaseResult:
-    """Return an outcome with what it asks of the bolts, at the operating point that asks most."""
+    """Return an outcome with the use of its bolts, at the operating point that uses most."""
     among = o.case.alternatives or (o.case,)
     each = [_bare(case, way) for case in among]
     moment, share = contact.worst_slip(np.concatenate(each))

@@ -72,7 +72,7 @@ class CaseResult:
     Attributes
     ----------
     von_mises, max_principal, min_principal : LocatedStress
-        Extremes over all places where fatigue is asked: equivalent, largest tension, largest
+        Extremes over all places where fatigue is evaluated: equivalent, largest tension, largest
         compression.
     max_nodal_von_mises : LocatedStress
         Largest von Mises stress at any node. Where it exceeds `von_mises` it sits in a notch
@@ -104,10 +104,10 @@ class CaseResult:
         Its loads over those along them under which the bolts slip or open; nan where their force
         is not known.
     slip_point : OperatingPoint
-        Where that is most, of the operating points asked; None at the state's own.
+        Where that is most, of the operating points evaluated; None at the state's own.
     stress_factors : (features,)
-        Swing of each feature in contact over that told by the two ways held; None where that was
-        not asked.
+        Swing of each feature in contact over that by the two ways held; None where that was
+        not requested.
     pulls_off : bool
         Whether its largest force pulls the flange straight off the frame: softer, where bolts
         give, than either way it is held (`tests/verify/test_bracket_contact.py`).
@@ -137,7 +137,7 @@ class CaseResult:
 
 
 class BoltSlipUtilisation(NamedTuple):
-    """What share of what its bolts hold loads ask: above 1 they slip or open."""
+    """Share of its bolts' strength that loads use: above 1 they slip or open."""
 
     when: EvaluationCondition
     utilisation: float
@@ -174,11 +174,11 @@ class ShapeAssessment:
     duty_damage : (DamageResult, ...)
         A mean second of the application's duty cycle, in each state that lasts.
     forced_response : ForcedResponse
-        The listed features over speed; None where nobody knows what hangs in it.
+        The listed features over speed; None if what hangs in it is unknown.
     contact_result : ContactResult
-        What contact made of the fatigue and life told here; None where that was not asked.
+        What contact made of the fatigue and life given here; None if not requested.
     duty_slips : (BoltSlipUtilisation, ...)
-        What the duty cycle asks of the bolts in each state that lasts; nothing where their force
+        What the duty cycle uses of the bolts in each state that lasts; nothing where their force
         is not known.
     """
 
@@ -196,7 +196,7 @@ class ShapeAssessment:
 
     @property
     def bolt_slips(self) -> tuple[BoltSlipUtilisation, ...]:
-        """What each case asks of the bolts, then what the duty cycle does."""
+        """What each case uses of the bolts, then what the duty cycle does."""
         cases = (
             BoltSlipUtilisation(o.case.when, o.slip_utilisation, o.slip_point, o.case.stop_margin)
             for o in self.case_results
@@ -257,7 +257,7 @@ class ShapeAssessment:
 
     @property
     def life_results(self) -> tuple[DamageResult, ...]:
-        """What hours are told of: the duty cycle in each state that lasts, else each recording."""
+        """What hours refer to: the duty cycle in each state that lasts, else each recording."""
         return self.duty_damage or recording_damage(self.case_results)
 
     @property

@@ -93,7 +93,7 @@ def vtu_text(v: ShapeAssessment, *, said: str = "") -> str:
 
 
 def _verdict_field(said: str) -> str:
-    """Return a text as a VTK file has it: the bytes of its letters, and a nought."""
+    """Return a text as a VTK file has it: the bytes of its letters, and a zero byte."""
     letters = " ".join(str(b) for b in (*said.encode(), 0))
     return (
         '<FieldData><DataArray type="String" Name="verdict" NumberOfTuples="1" format="ascii">'
