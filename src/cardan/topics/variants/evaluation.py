@@ -1,4 +1,4 @@
-"""Variants of an application: some numbers vary, and every limit is asked of all at once.
+"""Variants of an application: some numbers vary, and every limit is evaluated for all at once.
 
 What varies is a number of the file by its address, or something that a workshop can move by
 its key in the file's `adjust`. The driveline in its states answers, by the same code and with
@@ -68,13 +68,13 @@ class LimitColumn:
     Attributes
     ----------
     line, limit
-        The limit, and the line that it asks about.
+        The limit, and the line that it applies to.
     values, margins : (V,) SI, 1
         Of the state and part that is worst; nan where nothing answered.
     grades : (V,)
         Places in `CHECK_GRADES`, `UNEVALUATED_GRADE_CODE` where nothing answered.
     missed : (V,)
-        Whether something that the limit requires got no answer.
+        Whether something that the limit requires was not evaluated.
     """
 
     line: str
@@ -118,7 +118,7 @@ class LimitResults:
 
     @property
     def deciding_margins(self) -> FloatArray:
-        """The margins (L, V) of the worst grade a variant comes to; infinite beside them."""
+        """The margins (L, V) of the worst grade a variant comes to; infinite for others."""
         known = ~np.isnan(self.margins)
         grades = np.where(known, self.grades, -1)
         return np.where(known & (grades == grades.max(axis=0)), self.margins, np.inf)
@@ -148,7 +148,7 @@ class EvaluatedVariants:
     names, inputs : (V, names)
         What varies, in the unit its name ends in.
     limits
-        Each limit, and the line that it asks about.
+        Each limit, and the line that it applies to.
     answers
         What each came to.
     own : (V,)
@@ -165,7 +165,7 @@ class EvaluatedVariants:
     independent: BoolArray
     unit_points: FloatArray
     limits_restricted: bool = False
-    """Whether some limits alone were asked: others then leave nothing incomplete."""
+    """Whether some limits alone were evaluated: others then leave nothing incomplete."""
 
     @property
     def count(self) -> int:
@@ -236,7 +236,7 @@ class EvaluatedVariants:
 
 
 def limit_names(limits: Sequence[tuple[str, Limit]]) -> tuple[str, ...]:
-    """Return names of limits that tell them apart: quantity, line, place among several."""
+    """Return names of limits that distinguish them: quantity, line, place among several."""
     several = len({line for line, _ in limits}) > 1
     names = [f"{line}.{m.quantity}" if several else m.quantity for line, m in limits]
     return tuple(
@@ -246,7 +246,7 @@ def limit_names(limits: Sequence[tuple[str, Limit]]) -> tuple[str, ...]:
 
 
 def is_required_limit_of_other_study_missing(installed: Approval) -> bool:
-    """Return whether a limit of another study is required and has no answer."""
+    """Return whether a limit of another study is required and not evaluated."""
     found = (f for f in installed.study_results if f.study != DRIVELINE_STUDY_NAME)
     return any(u.limit.required for f in found for u in f.unevaluated)
 
@@ -294,18 +294,18 @@ def evaluate_variants(
     seed
         Of the points.
     tell
-        Told how far it has come.
+        Receives the progress.
 
     Raises
     ------
     ValueError
-        If nothing goes by a name, or does not vary as is asked.
+        If nothing goes by a name, or cannot vary as requested.
 
     Notes
     -----
-    Sobol points, scrambled after Owen, without tolerances; else by dice. Source: Sobol
+    Sobol points, scrambled after Owen, without tolerances; else by Monte Carlo. Source: Sobol
     (1967); Owen (1998). What cannot exist in a variant, a file with such a number or a chain
-    that locks, makes that variant fail, and is told in `answers`.
+    that locks, makes that variant fail, and is reported in `answers`.
     """
     bench = VariantEvaluator.from_application(
         application, build_variants(vary, tolerances), seed=seed
@@ -324,7 +324,7 @@ def build_variants(
     Raises
     ------
     ValueError
-        If something does not vary as is asked.
+        If something cannot vary as requested.
     """
     return VariantStudy(
         vary={name: _spread(name, s) for name, s in (vary or {}).items()},
@@ -361,12 +361,12 @@ def _spread(name: str, spread: InputVariationSpec) -> model.VariedNumber:
     return model.VariedNumber(kind="range", values=tuple(ends.tolist()))
 
 
-# --------------------------------------------------------------------------- asking
+# --------------------------------------------------------------------------- evaluating
 
 
 @dataclass(frozen=True, kw_only=True)
 class VariantEvaluator:
-    """An application with where its variants lie: any stretch of them can be asked.
+    """An application with where its variants lie: any stretch of them can be evaluated.
 
     Attributes
     ----------
@@ -427,7 +427,7 @@ class VariantEvaluator:
         return self.installed.application
 
     def whole_count(self, count: int) -> int:
-        """Return how many variants there are if so many are asked for: whole grids.
+        """Return how many variants there are if so many are requested: whole grids.
 
         One grid where nothing is drawn: a second would be the same.
         """
@@ -439,7 +439,7 @@ class VariantEvaluator:
 
     @cached_property
     def limits(self) -> tuple[tuple[str, Limit], ...]:
-        """Each limit with the line that it asks about."""
+        """Each limit with the line that it applies to."""
         return tuple(
             (r.line.name, limit)
             for r in self.installed.line_responses
@@ -457,12 +457,12 @@ class VariantEvaluator:
 
     @cached_property
     def chunk_size(self) -> int:
-        """Variants at a time: twice `VARIANTS_PER_CHUNK` where no limit asks about rubber."""
+        """Variants at a time: twice `VARIANTS_PER_CHUNK` if no limit concerns rubber."""
         rubber = any(LINE_QUANTITIES[limit.quantity].depends_on_mounts for _, limit in self.limits)
         return VARIANTS_PER_CHUNK if rubber else 2 * VARIANTS_PER_CHUNK
 
     def _questions(self, response: LineResponse) -> tuple[EvaluatedLimit, ...]:
-        """Return what is asked of a line."""
+        """Return what is evaluated of a line."""
         among = self.quantities or LINE_QUANTITIES
         return tuple(q for q in evaluate_limits(response, quantities=among) if q.parts)
 
@@ -476,7 +476,7 @@ class VariantEvaluator:
     ) -> EvaluatedVariants:
         """Return variants from a place to another, each of them kept.
 
-        `go_on` is asked between chunks; where it says no a `KeyboardInterrupt` is raised.
+        `go_on` is called between chunks; if it returns False a `KeyboardInterrupt` is raised.
         """
         parts: list[LimitResults] = []
         unit = self.sampling_plan.unit_points(start, stop)
@@ -650,7 +650,7 @@ def _beyond(of: VariantStudy, name: str, end: float, error: InvalidFileError) ->
 
 
 def _ends(of: SamplingPlan, k: int) -> tuple[float, ...]:
-    """Return the ends of what an input is chosen from; of what scatters nobody knows them."""
+    """Return the ends of what an input is chosen from; nan for what scatters."""
     decided = [f.spread for f in (*of.factors, *of.grids) if f.input == k and not f.tolerance]
     return tuple(
         end
@@ -669,7 +669,7 @@ def _answers(
     response: LineResponse, questions: Sequence[EvaluatedLimit], places: Sequence[int], count: int
 ) -> LimitResults:
     """Return what each limit of a line comes to; the same of several parts is one."""
-    # What nothing varied changes has no axis of variants: asked once, for all of them.
+    # What nothing varied changes has no axis of variants: evaluated once, for all of them.
     every: dict[int, list[EvaluatedLimit]] = {}
     for place, question in zip(places, questions, strict=True):
         every.setdefault(place, []).append(question)

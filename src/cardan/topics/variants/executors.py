@@ -27,12 +27,12 @@ from cardan.core.interrupts import ignore_interrupts, interrupts_held_back
 SCHEDULER_TIMEOUT_S = 30
 """s: a cluster whose scheduler has not answered by then is given up."""
 
-# --------------------------------------------------------------------------- who asks
+# --------------------------------------------------------------------------- executors
 
 
 @contextmanager
 def open_executor(kind: str, count: int) -> Generator[Executor | None, None, None]:
-    """Give who asks shards: `threads`, `processes`, or a Dask cluster by its address.
+    """Give the executor of shards: `threads`, `processes`, or a Dask cluster by its address.
 
     Raises
     ------
@@ -40,7 +40,7 @@ def open_executor(kind: str, count: int) -> Generator[Executor | None, None, Non
         If a cluster is named and Dask is not there.
     DesignError
         If an address is none of a scheduler that answers within `SCHEDULER_TIMEOUT_S`, or if
-        who asks them is gone for good.
+        it is gone for good.
     """
     gone = "; what was done is kept where --out names a folder: --resume goes on"
     if kind == "threads":
@@ -128,7 +128,7 @@ class DaskExecutor(Executor):
         self._client, self._executor = client, client.get_executor()
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Hand a call to whoever is free."""
+        """Hand a call to a free worker."""
         try:
             return self._executor.submit(fn, *args, **kwargs)
         except Exception as error:
@@ -147,14 +147,14 @@ class DaskExecutor(Executor):
         try:
             return sum(self._client.ncores().values())
         except (OSError, TimeoutError, RuntimeError, AttributeError):
-            return 1  # its client is closed, or closing: the shards it loses tell that
+            return 1  # its client is closed, or closing: the shards it loses show that
 
 
 class ProcessExecutor(ProcessPoolExecutor):
     """Spawned processes, each of which writes what it returns to a file and sends the file's path.
 
     All send through one pipe. A path goes through it whole; a process killed half-way through a
-    shard would leave whoever reads the pipe waiting for the rest.
+    shard would leave the reader of the pipe waiting for the rest.
     """
 
     def __init__(self, count: int) -> None:

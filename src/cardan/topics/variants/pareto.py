@@ -1,7 +1,7 @@
 """A front that is bred: the unbeaten have variants of their own, generation by generation.
 
 Variants drawn evenly leave a front where they happened to fall; NSGA-II goes on from the best, a
-whole generation asked at once.
+whole generation evaluated at once.
 """
 
 from collections.abc import Callable, Iterator
@@ -65,7 +65,7 @@ def evolve_pareto_front(
     seed
         Another one breeds others.
     hear
-        Told how many are done.
+        Receives how many are done.
 
     Raises
     ------
@@ -117,7 +117,7 @@ def _unfit(rows: EvaluatedVariants) -> FloatArray:
 def _generations(
     factors: int, goals: int, *, count: int, seed: int
 ) -> Iterator[tuple[FloatArray, ObjectiveValuesCallback]]:
-    """Yield the points of a generation (V, factors) in the unit cube, and who to tell of them."""
+    """Yield the points of a generation (V, factors) in the unit cube, and where to send results."""
     try:
         import_module("pymoo.config").Config.warnings["not_compiled"] = False
     except ModuleNotFoundError as error:

@@ -22,10 +22,10 @@ from cardan.topics.variants.statistics import (
 from cardan.topics.variants.study_result import StudyProgress, VariantStudyResult
 
 MAX_SHOWN_LIMITS = 6
-"""Limits that figures and tables of the most telling ones show."""
+"""Limits that figures and tables of the most relevant ones show."""
 
 MAX_INPUT_COLUMNS_HEADED_BY_NAME, MAX_INPUT_COLUMNS = 4, 12
-"""Inputs that stand by name at the head of a front's columns, and beside each other, at most."""
+"""Inputs that stand by name at the head of a front's columns, and next to each other, at most."""
 
 
 # --------------------------------------------------------------------------- in words
@@ -201,9 +201,9 @@ def doubt_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterat
 
 
 def _foretold(of: VariantStudyResult, say: Translator) -> str:
-    """Return the yield of many, foretold, and how often that was wrong."""
+    """Return the predicted yield of many, and how often the prediction was wrong."""
     f = of.surrogate_yield
-    assert f is not None  # who asks has looked
+    assert f is not None  # checked by the caller
     if f.without_surrogate:
         return say(
             "The surrogate gives no narrower interval: of {taught} evaluated, {missed} were "
@@ -246,7 +246,7 @@ def percent_text(value: float, say: Translator, digits: int = 1) -> str:
 
 
 def percent_text_as_stated(value: float, say: Translator) -> str:
-    """Return a share that somebody gave, as they gave it, in per cent."""
+    """Return a share as it was given, in per cent."""
     return say.with_decimal_sign(f"{100 * value:.9g} %")
 
 
@@ -435,7 +435,7 @@ def _sobol(of: VariantStudyResult, say: Translator) -> Table:
 
 
 def factor_label(of: VariantStudyResult, factor: SampledVariable, say: Translator) -> str:
-    """Return the name of a factor; of a tolerance beside a variable, with that word."""
+    """Return the name of a factor; of a tolerance of a variable, with that word."""
     name = of.sampling_plan.name_of(factor)
     both = sum(f.input == factor.input for f in of.sampling_plan.factors) > 1
     return f"{name} ({say('tolerance')})" if both and factor.tolerance else name
@@ -482,7 +482,7 @@ def _rare(of: VariantStudyResult, say: Translator) -> Table:
     rows: list[tuple[str, ...]] = []
     for one in sorted(of.rare_failures, key=lambda r: -r.failure_probability):
         first, second, sampled = one.first_order, one.second_order, one.sampled
-        assert first is not None  # others are not told
+        assert first is not None  # others are not reported
         most = own[int(first.importance.argmax())]
         rows.append(
             (

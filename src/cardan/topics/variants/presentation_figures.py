@@ -58,7 +58,7 @@ def figures(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[Figur
 
 
 def most_informative_limits(of: VariantStudyResult) -> list[int]:
-    """Return the limits whose scatter tells most: those that some variants pass and some not."""
+    """Return the limits whose scatter matters most: those that some variants pass and some not."""
     grades = of.statistics["counts"]["grades"] / of.independent_count
     split = [k for k in limits_by_failures(of) if 0 < grades[k, 2] < 1 or 0 < grades[k, 1] < 1]
     others = [k for k in limits_by_failures(of) if k not in split and grades[k, 2] > 0]
@@ -186,7 +186,7 @@ def _sideways(
 ) -> Figure:
     """Return bars that lie, longest on top, names in the chart, which reaches to `least` at least.
 
-    Values are told to so many digits behind the point.
+    Values are given to so many digits behind the point.
     """
     order = np.argsort(np.nan_to_num(values), kind="stable")[-16:]
     high = float(np.nan_to_num(values + errors).max(initial=least))

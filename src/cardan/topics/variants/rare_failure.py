@@ -1,10 +1,10 @@
-"""How often a limit fails that hardly ever does: where it fails most likely, and dice about that.
+"""How often a limit fails that hardly ever does: importance sampling about its most likely failure.
 
 A limit that one truck in a million fails is met by no study of ten thousand. The nearest
-point at which it fails, in standard deviations of what scatters, tells how often by the
+point at which it fails, in standard deviations of what scatters, gives how often by the
 first-order method; how the surface of failure bends there, by the second. A limit is the worst of
 many parts and states, and turning either way an angle grows: it has several ways to fail. Variants
-drawn about all of them and weighted back tell without any shape of it.
+drawn about all of them and weighted back need no shape of it.
 """
 
 from collections.abc import Callable, Sequence
@@ -31,7 +31,7 @@ IMPORTANCE_SAMPLE_COUNT = 1024
 """Variants about the most likely failures."""
 
 MIN_FAILURE_DISTANCE_SD = 1.0
-"""Failure that lies nearer, in standard deviations, is met often enough by plain dice."""
+"""Failure that lies nearer, in standard deviations, is met often enough by plain Monte Carlo."""
 
 LIMIT_SURFACE_CURVATURE_STEP_SD = 0.05
 """Standard deviations over which the surface's bend is taken: limits are exact to far less of it,
@@ -41,7 +41,7 @@ MARGIN_OF_INFEASIBLE_VARIANT = 1.0
 """Margin of what cannot exist: that of a limit of which nothing is used."""
 
 MAX_FAILURE_DISTANCE_SD = 6.0
-"""Failure that lies farther away, in standard deviations, is told by its distance alone."""
+"""Failure that lies farther away, in standard deviations, is estimated from its distance alone."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,13 +57,13 @@ class RareFailureEstimate:
         it; empty where none was found.
     second_order
         How the surface bends at the nearest, and how often by that; None where it closes about
-        the nominal, as at an edge between two ways to fail, or was not asked.
+        the nominal, as at an edge between two ways to fail, or was not requested.
     sampled
-        How often, by variants drawn about all of them; None where it was not asked.
+        How often, by variants drawn about all of them; None if not requested.
     inputs : (names,)
         What varies, where it fails most likely.
     lost
-        How many of those asked on the way cannot exist: they fail no limit.
+        How many of those evaluated on the way cannot exist: they fail no limit.
     """
 
     line: str
@@ -100,7 +100,7 @@ def estimate_rare_failure(
 ) -> RareFailureEstimate:
     """Return how often a limit of a bench fails, the k-th, from 0.
 
-    Only its own quantity is asked. What is chosen, not drawn, stays in the middle of its range.
+    Only its own quantity is evaluated. What is chosen, not drawn, stays in the middle of its range.
 
     Notes
     -----
@@ -169,7 +169,7 @@ def estimate_rare_failure(
 def _bent(
     left: Callable[[FloatArray], FloatArray], variables: Sequence[Normal], nearest: FormResult
 ) -> SormResult | None:
-    """Return the second-order answer; None where the surface has no bend that tells."""
+    """Return the second-order result; None if the surface has no usable bend."""
     try:
         return second_order_reliability(
             left, variables, around=nearest, h=LIMIT_SURFACE_CURVATURE_STEP_SD

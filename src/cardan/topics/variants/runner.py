@@ -1,6 +1,6 @@
 """A study of many variants, shard by shard: in threads, processes or on a cluster.
 
-A shard is a stretch of variants. Whoever asks it draws the same, and what is told of it is
+A shard is a stretch of variants. Every worker draws the same, and its statistics are
 joined in the order of the shards, so the answer is the same to the last bit however it was
 computed: at once, by many, or in pieces after the computer went down.
 """
@@ -66,7 +66,7 @@ MIN_FAILED_VARIANTS_PER_LIMIT = 20
 """Variants: of a limit that fewer fail the share is known badly."""
 
 WORKER_TIMEOUT_S = 10.0
-"""Seconds without a shard after which it is asked whether a cluster has workers at all."""
+"""Seconds without a shard after which a cluster is checked for workers."""
 
 QUEUE_DEPTH_PER_WORKER = 3
 """Shards handed out for each worker: what waits costs memory."""
@@ -86,7 +86,7 @@ def run_study(
     shard: int = VARIANTS_PER_SHARD,
     hear: ProgressCallback = ignore_status,
 ) -> VariantStudyResult:
-    """Ask the driveline of many variants, and tell what they come to.
+    """Evaluate the driveline of many variants, and return their statistics.
 
     Parameters
     ----------
@@ -101,21 +101,21 @@ def run_study(
     resume
         Go on with what the folder holds; without, it must hold no study.
     executor
-        Who asks shards, `workers` at a time: any of `concurrent.futures`, or a cluster's. By
+        Evaluates shards, `workers` at a time: any of `concurrent.futures`, or a cluster's. By
         default threads of this process; None as many as this machine, or a cluster, has.
     shard
-        How many variants are asked at a time, about.
+        How many variants are evaluated at a time, about.
     hear
-        Told how far it has come.
+        Receives the progress.
 
     Raises
     ------
     ValueError
-        If nothing goes by a name, or does not vary as is asked.
+        If nothing goes by a name, or cannot vary as requested.
     BadFile
         If the folder holds another study, or one already.
     Stopped
-        If it was stopped from the keyboard; it holds what is told of the shards done.
+        If it was stopped from the keyboard; it holds the result of the shards done.
     DesignError
         If the application holds placeholders.
     """
@@ -219,7 +219,7 @@ def _run_shards(
     workers: int | None,
     idle: Callable[[], None],
 ) -> None:
-    """Have shards asked, and keep each as it comes; say so while nobody is there to ask."""
+    """Have shards evaluated, and keep each as it comes; report while no worker is there."""
     stop = Event()
 
     def there() -> int:
@@ -257,7 +257,7 @@ def _run_shards(
 def _open_workers(
     executor: Executor | None, workers: int
 ) -> Generator[tuple[Executor, bool], None, None]:
-    """Give who asks shards, and whether it shares this process's memory."""
+    """Give the executor of shards, and whether it shares this process's memory."""
     if executor is not None:
         yield executor, False
         return

@@ -1,7 +1,7 @@
 """Where variants lie: any stretch of them, from its places alone.
 
 A variant's random numbers are those of its place in a stream that counts (Philox), so
-a shard draws the same whoever draws it, whenever, and whatever was drawn before.
+a shard draws the same on every worker, at any time, whatever was drawn before.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -17,10 +17,10 @@ from cardan.model.variants import VariantStudy, VariedNumber, grid_point_count
 from cardan.schema.node_reader import nearest_name_hint
 
 SamplingMethod: TypeAlias = Literal["even", "random", "saltelli"]
-"""How variants are spread: evenly (Sobol), by dice, or in the pairs that share out variance."""
+"""How variants are spread: evenly (Sobol), by Monte Carlo, or in pairs for shares of variance."""
 
 HALF_RANDOM_NUMBER_SPACING = 2.0**-54
-"""Half the step of the dice: no number lies on the edge of (0, 1)."""
+"""Half the step of the random numbers: no number lies on the edge of (0, 1)."""
 
 MIN_INDEPENDENT_VARIANCE_SHARE = 1e-9
 """Share of the variance that correlations leave free, at least: weights divide by it."""
@@ -202,8 +202,8 @@ def sampling_plan(
     seed
         Another one gives other variants.
     points
-        By default in pairs where variance is shared out, by dice where there are
-        tolerances, so that an interval can be told; evenly otherwise.
+        By default in pairs where variance is shared out, by Monte Carlo if there are
+        tolerances, so that an interval can be given; evenly otherwise.
 
     Raises
     ------

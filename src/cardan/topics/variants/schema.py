@@ -1,4 +1,4 @@
-"""A study in an application's file, or in one beside it: what varies, what scatters, what is asked.
+"""A study, in an application's file or its own: what varies, what scatters, what is computed.
 
     study:
       vary:       {"shim_deg": [-2, 2], "phase_deg[2]": {choice: [0, 90]}}
@@ -146,7 +146,7 @@ class CorrelationTable(Table):
 
 
 class RequestedStatisticsTable(Table):
-    """What is asked of all variants, beside how many come to each verdict."""
+    """What is computed of all variants, in addition to how many come to each verdict."""
 
     fixed = True
 
@@ -182,7 +182,7 @@ class RequestedStatisticsTable(Table):
     )
 
     def build(self) -> VariantOutputs:
-        """Return what is asked."""
+        """Return what is computed."""
         if self.search and not self.pareto:
             self.reader_of("search").reject("needs pareto", "say there what is weighed")
         for k, goal in enumerate(self.pareto):
@@ -313,7 +313,7 @@ class StudyTable(Table):
 
 
 def variant_study_json_schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of a study in a file beside the application's."""
+    """Return the JSON Schema (draft 2020-12) of a study in a file of its own."""
     defs: dict[str, Any] = {}
     study = StudyTable.schema(defs)
     under: dict[str, Any] = {
@@ -339,7 +339,7 @@ def variable_names(application: Application) -> list[str]:
 
 
 def read_variant_study(path: Path, application: Application) -> VariantStudy:
-    """Return the study of a file beside the application's.
+    """Return the study of a file of its own.
 
     Raises
     ------

@@ -103,7 +103,7 @@ def _varied_lines(of: VariantStudyResult, say: Translator, width: int) -> list[s
 
 
 def _limit_lines(of: VariantStudyResult, say: Translator, width: int, most: int) -> list[str]:
-    """Return a row for each limit that some variants fail, and others nearest to theirs.
+    """Return a row for each limit that some variants fail, and the others nearest to their limits.
 
     The table has at most `most` lines; the rest is counted below it.
     """

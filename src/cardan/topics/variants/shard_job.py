@@ -1,6 +1,6 @@
 """A stretch of variants, computed anywhere with the same result to the last bit.
 
-A job travels to the worker that computes a shard; fingerprints of what it reads tell it from
+A job travels to the worker that computes a shard; fingerprints of what it reads distinguish it from
 another.
 """
 
@@ -37,7 +37,7 @@ from cardan.topics.variants.statistics import (
 
 @dataclass(frozen=True, kw_only=True)
 class ShardJob:
-    """What a worker has to know to ask any shard; `prints` tell it from another."""
+    """What a worker has to know to evaluate any shard; `prints` distinguish it from another."""
 
     application: Application
     variants: VariantStudy
@@ -87,7 +87,7 @@ class ShardJob:
         return differing_inputs(self.fingerprints, fingerprints(self.application, self.variants))
 
     def run_shard(self, start: int, stop: int, stopped: Event | None = None) -> "ShardResult":
-        """Return what is told of a stretch of variants, and the rows where they are kept."""
+        """Return the statistics of a stretch of variants, and the rows where they are kept."""
         go_on = (lambda: not stopped.is_set()) if stopped else (lambda: True)
         rows = self.evaluator.evaluate_range(start, stop, go_on=go_on)
         found = requested_statistics(self.evaluator, self.variants.ask)
@@ -99,19 +99,19 @@ class ShardJob:
 
 @dataclass(frozen=True, kw_only=True)
 class ShardResult:
-    """What is told of a stretch of variants; their inputs and answers where they are kept."""
+    """Statistics of a stretch of variants; their inputs and answers where they are kept."""
 
     statistics: Mapping[str, StatisticState]
     rows: tuple[FloatArray, LimitResults] | None = None
 
 
 class _CachedJob:
-    """A job by its identity: two jobs with one text are told apart, one is the same for ever."""
+    """A job by its identity: two jobs with one text are distinct, one is the same for ever."""
 
     def __init__(self, job: ShardJob) -> None:
         self.job = job
         written = job.application.written
-        # Files beside it are read again with each change: the same text elsewhere is another job.
+        # Files next to it are read again with each change: the same text elsewhere is another job.
         self.known = (
             tuple(job.fingerprints.items()), job.seed, job.points, written and written.folder,
         )  # fmt: skip
@@ -147,15 +147,13 @@ def deserialise_shard_job(job: bytes) -> ShardJob:
 
 def compute_shard(job: bytes, start: int, stop: int) -> ShardResult:
     """Return a shard, wherever this is called."""
-    import_module(
-        "scipy.linalg"
-    )  # before it is looked for: a thread beside would load it meanwhile
+    import_module("scipy.linalg")  # before it is looked for: another thread would load it meanwhile
     with single_threaded_blas(), retain_freed_memory():
         return deserialise_shard_job(job).run_shard(start, stop)
 
 
 def fingerprints(application: Application, variants: VariantStudy) -> dict[str, str]:
-    """Return what tells a study from another: the same prints, the same answers."""
+    """Return what distinguishes a study from another: the same prints, the same answers."""
     written = application.written
     assert written is not None  # `Job.of` has looked
     changes = {at: np.asarray(to).tolist() for at, to in written.changes.items()}
@@ -178,7 +176,7 @@ def _contents(path: Path) -> bytes:
 
 
 def file_stamps(job: ShardJob) -> list[tuple[int, int] | None]:
-    """Return when each file beside it was written, and its size; None of a lost one."""
+    """Return when each file next to it was written, and its size; None of a lost one."""
     written = job.application.written
     paths = written.referenced_files if written else ()
     found = (p.stat() if p.exists() else None for p in paths)

@@ -197,7 +197,7 @@ class ShardStore:
         writer.write_atomically(self._path(k), _npz_bytes(arrays), replace=True)
 
     def load(self, k: int) -> dict[str, StatisticState]:
-        """Return what is told of a shard."""
+        """Return the statistics of a shard."""
         found: dict[str, dict[str, Any]] = {}
         with np.load(self._path(k)) as file:
             for name in file.files:

@@ -1,8 +1,8 @@
-"""What is told of variants, from shards of them that are seen once and forgotten.
+"""Statistics of variants, from shards of them that are seen once and forgotten.
 
 A reduction makes a state of a shard and one of two states; states are tables of arrays, so
 that they can be kept in a file. Joined in the order of the shards they come to the same to
-the last bit, whoever computed them and whenever.
+the last bit, whichever worker computed them and whenever.
 """
 
 from collections.abc import Mapping, Sequence
@@ -43,7 +43,7 @@ WORST_ACCEPTABLE_VERDICT_INDEX = VERDICTS.index("warn")
 
 
 class StreamingStatistic(Protocol):
-    """Something told of variants."""
+    """A statistic of variants."""
 
     def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the state of a shard whose first variant has this place."""
@@ -57,7 +57,7 @@ class StreamingStatistic(Protocol):
 def requested_statistics(
     bench: VariantEvaluator, ask: VariantOutputs
 ) -> dict[str, StreamingStatistic]:
-    """Return what is told of a study, by name."""
+    """Return the statistics of a study, by name."""
     drawn = bench.sampling_plan
     found: dict[str, StreamingStatistic] = {
         "counts": VerdictCounts(),
@@ -99,7 +99,7 @@ def _added(one: StatisticState, other: StatisticState) -> dict[str, Any]:
 class VerdictCounts:
     """How many variants come to what; of those drawn by themselves.
 
-    Of each limit besides: to which grade (pass, warn, fail, no answer), how often it is the
+    Of each limit besides: to which grade (pass, warn, fail, not evaluated), how often it is the
     only one to fail, and how often its margin is the smallest.
     """
 
@@ -277,7 +277,7 @@ class WorstVariants:
 
 @dataclass(frozen=True)
 class FirstVariantSamples:
-    """The first variants with all that varied in them: any hundreds tell how they lie."""
+    """The first variants with all that varied in them: any hundreds show how they lie."""
 
     max_count: int = 300
 
@@ -468,7 +468,7 @@ def sobol_indices(state: StatisticState) -> SobolIndices:
 # --------------------------------------------------------------------------- what others learn from
 
 MAX_TRAINING_VARIANTS = 16384
-"""Variants that others are foretold from, at most."""
+"""Variants that others are predicted from, at most."""
 
 
 @dataclass(frozen=True)
@@ -507,7 +507,7 @@ class SurrogateTraining:
 class ParetoFront:
     """Variants that no other beats in all goals: margin the larger, cost and mass the smaller.
 
-    Where one may be built, those that may not are beaten. `costs` tells what each input moves,
+    Where one may be built, those that may not are beaten. `costs` is what each input moves,
     None of one that no workshop moves.
     """
 
@@ -570,7 +570,7 @@ class ParetoFront:
 
 
 def adjustable_of_each_input(bench: VariantEvaluator) -> tuple[PermittedAdjustment | None, ...]:
-    """Return what each input moves, over the range that the file gives it, or house practice."""
+    """Return what each input moves, over the range of the file, or by engineering judgement."""
     application = bench.application
     every = permitted_adjustments_by_name(i.line for i in application.lines)
     ranged = {(a.line, a.adjustment_key, a.part): a for a in application.adjustables}

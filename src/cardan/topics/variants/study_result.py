@@ -31,8 +31,8 @@ ProgressCallback: TypeAlias = Callable[["StudyProgress"], None]
 class StudyProgress:
     """How far a study has come: variants done before this run and in all, and how many to do.
 
-    With all of them done, how many limits have been asked how often they fail, and of how many.
-    `idle` where nobody is there to ask any: a cluster without workers waits for some.
+    With all of them done, of how many limits the failure rate is computed, and of how many in all.
+    `idle` while no worker evaluates any: a cluster without workers waits for some.
     """
 
     done_before: int
@@ -76,20 +76,20 @@ class VariantStudyResult:
     bench
         The application, and where its variants lie.
     variants
-        What was asked.
+        What was evaluated.
     asked
-        How many variants were to be asked; fewer are told of where the run was stopped.
+        How many variants were requested; fewer are reported if the run was stopped.
     states
-        What is told of them, by name (`cardan.topics.variants.statistics`); `pareto` of those bred
+        Their statistics, by name (`cardan.topics.variants.statistics`); `pareto` of those bred
         besides.
     rows
         Each variant, where they were kept.
     rare
-        How often limits fail that variants hardly ever did, where that was asked.
+        How often limits fail that variants hardly ever did, if requested.
     beyond
         Those of them of which no failure was found that is near enough to count.
     foretold
-        The yield of many more, foretold from those asked, where that was asked.
+        The yield of many more, predicted from those evaluated, if requested.
     seconds
         How long this run took.
     changed_files
@@ -125,7 +125,7 @@ class VariantStudyResult:
 
     @property
     def limits(self) -> tuple[tuple[str, Limit], ...]:
-        """Each limit with the line that it asks about."""
+        """Each limit with the line that it applies to."""
         return self.evaluator.limits
 
     @property
@@ -135,7 +135,7 @@ class VariantStudyResult:
 
     @property
     def count(self) -> int:
-        """How many variants were asked."""
+        """How many variants were evaluated."""
         return int(self.statistics["counts"]["asked"])
 
     @property
@@ -179,7 +179,7 @@ class VariantStudyResult:
 
 
 class StudyInterrupted(KeyboardInterrupt):
-    """A study was stopped from the keyboard; `studied` is what is told of what was done."""
+    """A study was stopped from the keyboard; `studied` is the result of what was done."""
 
     def __init__(self, studied: VariantStudyResult) -> None:
         super().__init__()

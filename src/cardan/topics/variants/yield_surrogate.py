@@ -1,14 +1,14 @@
 r"""The yield of a million variants, from a few thousand that were evaluated.
 
 How far a truck stays off a limit is smooth in what scatters, so a parabola through the variants
-asked foretells others at a thousandth of the cost. It is wrong of some, and nobody has to trust it:
-how often it is wrong is counted on variants that it has not learned from. With s what is foretold
-and y what was asked,
+evaluated predicts others at a thousandth of the cost. It is wrong for some, and trust is not
+needed: how often it is wrong is counted on variants that it has not learned from. With s what is
+predicted and y what was evaluated,
 
 $$p = \mathrm E[s] + \mathrm P[y > s] - \mathrm P[s > y]$$
 
 holds whatever s is. The first is the mean of as many as one likes; the other two are rare where s
-is good, so few variants tell them narrowly, and their intervals are those of the binomial.
+is good, so few variants estimate them narrowly, and their intervals are those of the binomial.
 """
 
 from collections.abc import Iterator
@@ -24,32 +24,33 @@ from cardan.topics.variants.sampling import SamplingPlan
 from cardan.topics.variants.statistics import StatisticState, clopper_pearson_interval
 
 CROSS_VALIDATION_FOLDS = 8
-"""Each part of those asked is foretold by what the others teach."""
+"""Each part of those evaluated is predicted from the others."""
 
 PREDICTION_BLOCK_VARIANTS = 8192
-"""Variants foretold at a time."""
+"""Variants predicted at a time."""
 
 MIN_VARIANTS_PER_COEFFICIENT = 2.0
 """Variants for each coefficient, at least."""
 
 DOUBT_SHARE_FOR_SAMPLING_ERROR = 0.02
-"""Share of the doubt that is left to the dice of those foretold; the rest is for its errors."""
+"""Share of the error probability left to the sampling; the rest is for the prediction's errors."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SurrogateYield:
-    """The yield of many variants foretold, and how far that is to be trusted.
+    """The predicted yield of many variants, and how far that is to be trusted.
 
     Attributes
     ----------
     count, taught
-        How many were foretold, and from how many.
+        How many were predicted, and from how many.
     share, low, high
-        That may be built, mended by what was foretold wrongly; and its interval.
+        That may be built, corrected by what was predicted wrongly; and its interval.
     missed, praised
-        Of those taught: foretold to fail and fit, foretold to fit and failing.
+        Of those taught: predicted to fail but passing, predicted to pass but failing.
     plain
-        Whether share and interval are those of the variants asked, foretold no more narrowly.
+        Whether share and interval are those of the variants evaluated, as the prediction is no
+        narrower.
     """
 
     count: int
@@ -72,21 +73,21 @@ def predict_yield(
     asked: tuple[int, int] | None = None,
     workers: int = 1,
 ) -> SurrogateYield | None:
-    """Return the yield of `count` variants foretold; None where too few were asked to learn from.
+    """Return the predicted yield of `count` variants; None if too few were evaluated to learn from.
 
     Parameters
     ----------
     drawing
-        Where variants lie, by dice.
+        Where variants lie, by Monte Carlo.
     taught
-        Those asked (`cardan.topics.variants.statistics.SurrogateTraining`).
+        Those evaluated (`cardan.topics.variants.statistics.SurrogateTraining`).
     start
-        The place of the first of those foretold, behind all that were evaluated.
+        The place of the first of those predicted, behind all that were evaluated.
     asked
-        How many of those asked may be built, and of how many; where their own interval is no
-        wider, it is told instead.
+        How many of those evaluated may be built, and of how many; where their own interval is no
+        wider, it is given instead.
     confidence
-        Of the interval, at least: the bounds of both errors and of the dice together.
+        Of the interval, at least: the bounds of both errors and of the sampling together.
 
     Raises
     ------
@@ -95,9 +96,9 @@ def predict_yield(
 
     Notes
     -----
-    A control variate with cross-fitting: each of `CROSS_VALIDATION_FOLDS` parts of those asked is
-    foretold by least squares of the others, each margin by itself. Intervals of the errors after
-    Clopper and Pearson (1934).
+    A control variate with cross-fitting: each of `CROSS_VALIDATION_FOLDS` parts of those evaluated
+    is predicted by least squares of the others, each margin by itself. Intervals of the errors
+    after Clopper and Pearson (1934).
     """
     if drawing.method != "random" or drawing.grids:
         msg = "foretold needs tolerances and Monte Carlo sampling: remove sobol and grids"
@@ -159,7 +160,7 @@ class _TrainingSet:
     def of(cls, inputs: FloatArray, left: FloatArray) -> "_TrainingSet | None":
         """Return them; None where they are too few for a plane."""
         known = np.isfinite(left)
-        # What nothing varied moves, or what keeps far off, foretells nothing.
+        # What nothing varied moves, or what keeps far off, predicts nothing.
         some = [
             k for k in range(left.shape[1])
             if known[:, k].any() and np.ptp(m := left[known[:, k], k]) > max(0.0, m.min() / 2)
@@ -229,5 +230,5 @@ class _QuadraticSurrogate:
             yield x[:, k:] * x[:, k, None]
 
     def fits(self, inputs: FloatArray) -> BoolArray:
-        """Return which variants may be built, foretold."""
+        """Return which variants are predicted to pass."""
         return np.asarray((self.terms(inputs) @ self.weights >= -MARGIN_TOLERANCE).all(axis=1))
