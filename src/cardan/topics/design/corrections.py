@@ -1,8 +1,8 @@
 """What to change: bearing heights and sides, axle shim and yoke phases, over all states.
 
 Every trial is one case on a leading axis of the same response that `assess` uses, so the
-search asks for hundreds of layouts at a time. What comes of it is held to the approval of the
-application so corrected, by every study that a check asks.
+search evaluates hundreds of layouts at a time. What comes of it is held to the approval of the
+application so corrected, by every study that a check runs.
 """
 
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -68,7 +68,7 @@ MIN_SHORTFALL_CHANGE_SHARE = 0.05
 """Nor is one below 0 in all of them that differs by less than this share of what it lacks."""
 
 MAX_EXHAUSTIVE_SEARCH_SETTINGS = 256
-"""Settings of a workshop that are asked one and all, where there are no more; else it is searched
+"""Settings of a workshop that are all evaluated, where there are no more; else it is searched
 as if there were no steps."""
 
 MAX_ROUNDING_VARIANTS = 64
@@ -84,7 +84,7 @@ ROBUST_MARGIN_STANDARD_DEVIATIONS = 2.5
 """Standard deviations of its scatter that a robust correction keeps each margin away from 0."""
 
 MIN_CORRECTIONS_WITH_TOLERANCE_YIELD = 8
-"""Corrections that are asked how many trucks survive them, at least."""
+"""Corrections of which the surviving share of trucks is computed, at least."""
 
 MIN_MARGIN_ADVANTAGE_OVER_CHEAPER = 0.01
 """Of a bound: a correction that leaves no more than that beyond a cheaper one is its copy."""
@@ -146,7 +146,7 @@ class _CorrectedLineStudy(DrivelineStudy):
     def run(
         self, application: Application, tell: ProgressCallback = ignore_status
     ) -> StudyResult[tuple[LineResponse, ...]]:
-        """Ask every line."""
+        """Run the search on every line."""
         del tell
         assert self.trial is not None
         tried = {r.line.name: r for r in self.trial.responses}
@@ -170,8 +170,8 @@ class _CorrectionSearch:
     """The margins of a line, and of those that leave its axle, over where its ways stand, -1 to 1.
 
     Yokes are turned by fixed amounts `turns` (movable); of the stepless ways those named in
-    `free` move in proportion, the others stay at 0. `changed` tells the margins that moving
-    can change at all from those it is not for moving to answer.
+    `free` move in proportion, the others stay at 0. `changed` separates the margins that moving
+    can change at all from those that it cannot.
     """
 
     lines: tuple[LineResponse, ...]
@@ -181,7 +181,7 @@ class _CorrectionSearch:
     changed: BoolArray
     trucks: ToleranceModel | None = None
     known: dict[LimitBound, FloatArray] | None = None
-    """The margins of the spread trials, where somebody has asked them."""
+    """The margins of the spread trials, if they were computed."""
 
     @cached_property
     def settings(self) -> FloatArray | None:
@@ -234,7 +234,7 @@ class _CorrectionSearch:
         return {bound: values[:, self.changed] for bound, values in found.items()}
 
     def settable(self, position: FloatArray, *, to: LimitBound, cheap: bool = False) -> FloatArray:
-        """Return the amounts (movable) beside a position that a workshop can set.
+        """Return the amounts (movable) next to a position that a workshop can set.
 
         A step of a workshop may be more than the room that is left: of those around the
         position it is the one of most margin, or the `cheap`est that keeps every margin.
@@ -367,7 +367,7 @@ class _CorrectionSearch:
         ways, known = len(self.free), dict[bytes, tuple[FloatArray, FloatArray]]()
 
         def once(z: FloatArray) -> tuple[FloatArray, FloatArray]:
-            """Return what is needed; SLSQP asks for value and slope of a place one by one."""
+            """Return what is needed; SLSQP requests value and slope of a place one by one."""
             if z.tobytes() not in known:
                 known[z.tobytes()] = needed(z)
             return known[z.tobytes()]
@@ -440,7 +440,7 @@ def find_corrections(
     count
         How many proposals at most.
     draws
-        How many trucks are asked of each proposal, each by itself; 0 takes their margins from
+        How many trucks are evaluated for each proposal, each by itself; 0 takes their margins from
         slopes and bends at the setting.
     tell
         Called with how many choices of yoke phases are searched, and of how many.
@@ -464,9 +464,9 @@ def find_corrections(
     Notes
     -----
     It looks for the largest smallest margin, and the least ways to where nothing warns and
-    nothing fails. Where a workshop's settings are few all of them are asked. Of more, spread
+    nothing fails. If a workshop's settings are few all of them are evaluated. Of more, spread
     trials find the region and sequential quadratic programming the place in it. Other lines and
-    studies are asked of what it comes to, not while it goes on.
+    studies evaluate the result, not while it goes on.
     """
     require_no_placeholders(application)
     response = _line(application, line)
@@ -524,7 +524,7 @@ def _proposal(
     installed: _CorrectionCandidate,
     standing: Approval,
 ) -> Correction:
-    """Return what a trial comes to beside the line as installed."""
+    """Return what a trial comes to next to the line as installed."""
     return Correction(
         line=before.line.name,
         adjustments=t.moves,
@@ -627,7 +627,7 @@ def _glance(
 ) -> Iterator[_CorrectionCandidate]:
     """Yield the line as installed, and the best of a few trials that a workshop can set.
 
-    For who waits for an answer: nothing where no move changes anything.
+    For a first result soon: nothing where no move changes anything.
     """
     lines = affected_lines(response, movable)
     turnings = np.stack(list(_turnings(response, movable)))
@@ -656,7 +656,7 @@ def _ways(movable: tuple[PermittedAdjustment, ...]) -> tuple[int, ...]:
 
 
 def _changed(asked: dict[LimitBound, FloatArray]) -> BoolArray:
-    """Return which margins moving can change, and mend, from those of trials (V, ...)."""
+    """Return which margins moving can change, and correct, from those of trials (V, ...)."""
     every = np.stack(list(asked.values()))
     low, high = every.min(axis=1), every.max(axis=1)
     hopeless = (high < 0) & (high - low < MIN_SHORTFALL_CHANGE_SHARE * -low)

@@ -20,12 +20,12 @@ from cardan.physics.strength.torsional_strength import (
 )  # fmt: skip
 
 MAX_CRITICAL_SPEED_RATIO = 0.75
-"""Share of the critical speed that counts as used up. Source: SAE AE-7, p. 267, second hand."""
+"""Share of the critical speed that counts as used up. Source: SAE AE-7, p. 267, quoted."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PartRequirement:
-    """What a part is looked for: a torque with its shocks, and what else somebody says.
+    """What a part has to carry: a torque with its shocks, and what else is given.
 
     `speed` and `angle` are what a joint turns at, `life` how long it shall do so under the
     torque, `prime_mover_factor` K1 of that life, `length` a shaft's.
@@ -40,7 +40,7 @@ class PartRequirement:
 
     @property
     def has_life_data(self) -> bool:
-        """Whether a joint's life can be asked."""
+        """Whether a joint's life can be computed."""
         return None not in (self.speed, self.angle, self.life)
 
     @property
@@ -59,7 +59,7 @@ class PartRequirement:
 
 @dataclass(frozen=True, kw_only=True)
 class PartCandidate:
-    """A row, what is used of each of its part's ratings, and what nobody publishes of it.
+    """A row, what is used of each of its part's ratings, and which ratings are not published.
 
     `size` is what rows are sorted by: a joint's peak torque, a tube's mass a metre.
     """
@@ -71,7 +71,7 @@ class PartCandidate:
 
     @property
     def max_utilisation(self) -> float:
-        """The largest share in use; infinite where a rating that is asked for is not known."""
+        """The largest share in use; infinite if a required rating is unknown."""
         return inf if self.unknown_ratings else max(self.utilisations.values())
 
     @property
@@ -138,7 +138,7 @@ def _tube(row: CatalogueRow, asked: PartRequirement) -> PartCandidate:
 def smallest_joint_name(rows: Iterable[CatalogueRow], asked: PartRequirement) -> str:
     """Return the name of the joint of the least life rating that does; empty if none does.
 
-    What is asked for must be `whole`: see
+    What is required must be `whole`: see
     `cardan.physics.strength.torsional_strength.smallest_joint_size`.
     """
     sizes = [r.part for r in rows if isinstance(r.part, JointSize)]

@@ -35,7 +35,7 @@ def remaining_problem_sentences(
     *,
     grade: Callable[[CheckGrade, str], str] = lambda _, word: word,
 ) -> list[str]:
-    """Return what does not pass with a correction, and what is unanswered.
+    """Return what does not pass with a correction, and what is not evaluated.
 
     Of what was as bad before the worst three, of what it spoils as many. `grade` puts a grade's
     word as a medium shows it.

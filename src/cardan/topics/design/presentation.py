@@ -103,7 +103,7 @@ def _failed_check_lines(
 
 
 def part_replacement_advice(check: Check, remedy: "Remedy | None", say: Translator) -> str:
-    """Return what there is where nothing can be moved: another part, or who looks for one."""
+    """Return what there is where nothing can be moved: another part, or the search for one."""
     if remedy is None:
         from cardan.topics.design.sizing import PROPOSAL_KINDS_BY_QUANTITY
 

@@ -43,7 +43,7 @@ ASSUMED_TOLERANCES = {
     "shim_deg": 0.5,
     "phase_deg": 2.0,
 }
-"""How far settings are off at three standard deviations where no file says. House practice,
+"""How far settings are off at three standard deviations where no file says. Engineering judgement,
 assumed."""
 
 SAMPLE_COUNT = 4096
@@ -51,7 +51,7 @@ SAMPLE_COUNT = 4096
 
 FINITE_DIFFERENCE_STEP_SD = 1.5
 """Standard deviations (of a uniform one, quarters of its half width, times 2) to each side at
-which margins are asked: between them and a little beyond they go like parabolas."""
+which margins are evaluated: between them and a little beyond they go like parabolas."""
 
 
 PRODUCTION_YIELD_CLASS_COUNT = 20
@@ -69,7 +69,7 @@ class ToleranceYield:
     quiet : 1
         Of all trucks: what nothing warns in either that does not at the setting.
     asked
-        Whether every truck was asked; otherwise their margins follow from slopes and bends
+        Whether every truck was evaluated; otherwise their margins follow from slopes and bends
         at the setting.
     tighter
         The tolerance that wins most, the share with it half as wide; None where none does.
@@ -95,7 +95,7 @@ class ToleranceYield:
 class ToleranceModel:
     """How trucks of an application scatter about a setting of one of its lines.
 
-    `assumed` tells whether nobody said so.
+    `assumed` is whether it is not given.
     """
 
     application: Application
@@ -207,7 +207,7 @@ class ToleranceModel:
         ways, amounts
             The setting: what is moved, and by how much (ways) SI.
         asked
-            How many trucks are asked each by itself; 0 takes margins as parabolas of what
+            How many trucks are evaluated each by itself; 0 takes margins as parabolas of what
             scatters, and 4096 of them.
         """
         still = np.zeros((1, len(self.sampling_plan.names)))
@@ -325,8 +325,8 @@ def _merged(
 
 
 def _parabola(found: FloatArray) -> Callable[[FloatArray], FloatArray]:
-    """Return margins (V, M) as a function of (V, T), from those in the middle and beside it."""
-    # A limit that asks in some of these trucks alone has no slope: it counts where worst.
+    """Return margins (V, M) as a function of (V, T), from those in the middle and next to it."""
+    # A limit that applies in some of these trucks alone has no slope: it counts where worst.
     jumps = (found == MARGIN_CAP).any(0) & (found < MARGIN_CAP).any(0)
     found = np.where(jumps, found.min(0), found)
     middle, forth, back = found[:1], *np.split(found[1:], 2)

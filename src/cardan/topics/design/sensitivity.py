@@ -489,7 +489,7 @@ def _missed(response: LineResponse, quantities: set[str]) -> Iterator[_FailedLim
 
 
 def _deciding(response: LineResponse, asked_in: set[int]) -> list[int]:
-    """Return the states to ask: these, and those that others are measured by.
+    """Return the states to evaluate: these, and those that others are measured by.
 
     Shafts are balanced for the top speed of all states, a duty cycle scales with the largest
     torque and speed of the lasting ones.

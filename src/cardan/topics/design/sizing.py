@@ -131,9 +131,9 @@ class PartProposal:
 
 @dataclass(frozen=True, kw_only=True)
 class Remedy:
-    """An offer, and the checks that asked for it, each as it was and with the offer in place.
+    """An offer, and the checks that need it, each as it was and with the offer in place.
 
-    `worse` are checks that then warn and did not before. `survival` tells how many trucks keep
+    `worse` are checks that then warn and did not before. `survival` is how many trucks keep
     what the line then comes to, as `trucks` scatter. `others` are other ways to answer the same.
     """
 
@@ -147,7 +147,7 @@ class Remedy:
     def with_tolerance_yield(self, application: Application) -> "Remedy":
         """Return it with how many trucks keep the line of an application that it is part of.
 
-        Not told where numbers of the file scatter: they are of the file, which has other parts.
+        Not reported if numbers of the file scatter: they are of the file, which has other parts.
         """
         from cardan.topics.design.robustness import (
             ToleranceModel,  # what `cardan check` starts without
@@ -236,9 +236,9 @@ def propose_parts(
 
     Notes
     -----
-    The worst check is answered first; the next one is asked of the line as it then is. A part
-    does where the check that asked for it passes, no other of its line comes to a worse grade,
-    and nothing that was answered is left without an answer. Where none does that, and the
+    The worst check comes first; the next one is evaluated on the line as it then is. A part
+    will do if the check that needs it passes, no other of its line comes to a worse grade,
+    and nothing that was evaluated is left unevaluated. Where none does that, and the
     check fails, one after which it warns, or others warn, will do. The smallest of tubes is
     the lightest, of joints that of the least peak torque, of splits and places the one that
     moves least. Of several ways the one goes first that most trucks keep as they scatter, the
@@ -322,7 +322,7 @@ def next_part_sizes(
 ) -> dict[tuple[str, str], Remedy]:
     """Return the tube or joint that answers each of some failures, by line and quantity.
 
-    For whoever has no time for all of `sizing`: one of each, asked by itself; what only warns
+    In place of all of `sizing`, to save time: one of each, evaluated by itself; what only warns
     is not.
     """
     found: dict[tuple[str, str], Remedy] = {}
@@ -473,10 +473,10 @@ def _installed(application: Application, line: str) -> InstalledLine:
 
 
 def _after(response: LineResponse, problem: Check) -> Check | None:
-    """Return a check's quantity and part where it is worst now; None where it has no answer.
+    """Return a check's quantity and part where it is worst now; None if not evaluated.
 
-    With a joint of its own rating another limit may ask than before; a joint that nobody rates
-    is no answer to the rating of another.
+    With a joint of its own rating another limit may apply than before; a joint without a rating
+    does not settle the rating of another.
     """
     found: list[Check] = []
     limits = limits_to_evaluate(response.application)

@@ -93,7 +93,7 @@ def _further_shaft_phrase(of: PartProposal, say: Translator) -> str:
 
 
 def _further_shaft_table(of: SizingResult, say: Translator) -> Iterator[str]:
-    """Yield the limits of lines with a further shaft, today beside the proposal."""
+    """Yield the limits of lines with a further shaft, today next to the proposal."""
     for name, approval in of.further_shafts.items():
         today, proposed = (
             {

@@ -1,6 +1,6 @@
-"""A line anywhere between rebound and jounce, under any torque: what a slider moves it through.
+"""A line anywhere between rebound and bump, under any torque: what a slider moves it through.
 
-The same demand as that of the states, asked at heights of the axle and torques that no state
+The same demand as that of the states, evaluated at heights of the axle and torques that no state
 names. The axle winds up by the torque where the suspension says how stiff it is.
 """
 
@@ -29,14 +29,14 @@ SPRING_TRAVEL_LIMIT_STATES: tuple[SuspensionState, ...] = ("full rebound", "joun
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TravelRange:
-    """How far a line's axle goes, and what torques it may carry; (0, 0) where nobody says.
+    """How far a line's axle goes, and what torques it may carry; (0, 0) if not given.
 
     Attributes
     ----------
     travel : m
         Lowest and highest rise of the axle from the reference state.
     torque : N m
-        Most in reverse or coast, below 0, and in drive, of its states and operating points;
+        Most in reverse or overrun, below 0, and in drive, of its states and operating points;
         (0, 0) where no torque winds the axle up.
     brakes
         Whether it is known what brakes make of the axle.
@@ -111,7 +111,7 @@ def line_at_axle_position(
     travel : (N,) m
         Rise of the axle from the reference state, as it rides: no squat comes on top.
     torque : (N,) N m
-        Of the line; negative holds back, and more than coasting can is driven in reverse.
+        Of the line; negative holds back, and more than overrun can is driven in reverse.
     brakes
         Whether brakes hold the axle as well, to what its tyres take: then no torque drives it.
 
@@ -146,7 +146,7 @@ def line_at_axle_position(
 
 
 def _held(suspension: Suspension | None) -> Suspension | None:
-    """Return a suspension that holds its axle as high as somebody puts it."""
+    """Return a suspension that holds its axle as high as it is put."""
     return suspension and replace(suspension, squats=False)
 
 
@@ -158,5 +158,5 @@ def drive_mode_of_torque(response: LineResponse, torque: float) -> DriveMode:
 
 
 def _reverses(torque: FloatArray, asked: LineStateDemand) -> BoolArray:
-    """Return where a torque is more than coasting can hold; nowhere where nobody knows."""
+    """Return where a torque is more than overrun can hold; nowhere if unknown."""
     return torque < -asked.coast_torque * (1 + 1e-6)

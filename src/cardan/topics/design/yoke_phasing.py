@@ -12,7 +12,7 @@ from cardan.core.units import Radian
 from cardan.physics.kinematics.equivalent_angle import EquivalentSingleJoint, KinematicExcitation
 
 MAX_PHASED_SHAFTS = 5
-"""Shafts whose yokes are turned; 32 lines side by side are more than anybody reads."""
+"""Shafts whose yokes are turned; 32 lines side by side are more than can be read."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Start a vehicle from rest, and tell what makes the peak: its ramp, its joints, its engine."""
+"""Start a vehicle from rest, and find what makes the peak: its ramp, its joints, its engine."""
 
 from dataclasses import dataclass, replace
 from math import pi
@@ -40,8 +40,8 @@ LAUNCH_CASES = (
     "less grip, more rolling resistance",
     "more grip, less rolling resistance",
 )
-"""What is started beside the vehicle itself: to tell each cause's share, and what hangs on what
-nobody knows closer, both of which pull a launch's lowest torque the same way."""
+"""Variants started in addition to the vehicle itself: for each cause's share, and for what
+is known only roughly, both of which pull a launch's lowest torque the same way."""
 
 CASES_OF_ASSUMED_RANGES = LAUNCH_CASES[-2:]
 
@@ -59,7 +59,7 @@ CONVERTER_COUPLING_SPEED_RATIO = 0.85
 """Speed ratio of a converter from which on it multiplies no torque: Project Chrono, FMTV."""
 
 RIGID_BEARING_FORCE_TIME_POINTS = 40
-"""Instants of a launch at which bearings without rubber are asked."""
+"""Instants of a launch at which bearings without rubber are evaluated."""
 
 MAX_LAUNCH_DURATION_S = 8.0
 """s: of a launch, however soft the vehicle."""
@@ -100,7 +100,7 @@ class LaunchResult:
         Peak force on each centre bearing of the main line along the ramp, as it would be if
         each instant lasted.
     bearing_passed : (P, bearings) N
-        The force as the line passes through; nan where nobody knows its rubber.
+        The force as the line passes through; nan if its rubber is unknown.
     least_force_at_stop : (bearings,) N
         What each carries at least with its rubber at its stop; inf of rigid ones.
     """
@@ -240,7 +240,7 @@ def default_launches(application: Application) -> tuple[Launch, ...]:
 
 
 def launch_engine_speed(parts: VehicleTorsionModel, wanted: Launch) -> float:
-    """Return the speed the engine is held at, rad/s: where full load starts, if nobody says."""
+    """Return the speed the engine is held at, rad/s: where full load starts, if not given."""
     engine = parts.application.engine
     assert engine is not None  # nothing is launched without one
     if wanted.engine_speed is not None:
@@ -391,7 +391,7 @@ def _typical_friction(parts: VehicleTorsionModel) -> TypicalValue | None:
 
 
 def _assumed_ranges(parts: VehicleTorsionModel) -> tuple[AssumedRange, ...]:
-    """Return the ranges of what a launch hangs on and nobody knows closer."""
+    """Return the ranges of what a launch depends on and is known only roughly."""
     typical = _typical_friction(parts)
     friction = (
         AssumedRange("tyre.friction", *_times(parts.friction, GRIP_RANGE))
@@ -612,7 +612,7 @@ def _bearings(
 
 
     What the line on its rubber would carry at each instant's torque and speed, its axle wound
-    up by that torque, and what it carries as it passes; nan where nobody knows the rubber, and
+    up by that torque, and what it carries as it passes; nan if the rubber is unknown, and
     bearings are taken as rigid. In reverse all of it the other way.
     """
     shaft = springs.index((main.installed.line.name, Part("shaft", 1)))

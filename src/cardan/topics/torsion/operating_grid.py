@@ -58,10 +58,10 @@ GearAndStateIndices: TypeAlias = tuple[IntArray, IntArray]
 """Places of a gear and a state, (P,) each."""
 
 MIN_MOTOR_SPEED_SHARE_OF_TOP_SPEED = 0.01
-"""Share of its top speed from which on a line with a motor is asked."""
+"""Share of its top speed from which on a line with a motor is evaluated."""
 
 MAX_SHOWN_MODES = 8
-"""Modes that are told, at most: higher ones no speed of a vehicle meets."""
+"""Modes that are reported, at most: higher ones no speed of a vehicle meets."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,7 +129,7 @@ class OperatingGrid:
         """Speeds while the clutch slips, (G, S, 2) rad/s: gears that vehicles start in.
 
         Up to where the clutch locks: the line turns as the engine is held at in first gear or
-        those of the file's launches ahead; below a fifth of it the launch itself is asked.
+        those of the file's launches ahead; below a fifth of it the launch itself is evaluated.
         """
         top = self._fastest
         if self.main.gears is None or self.parts.starting_device == "motor":
@@ -147,7 +147,7 @@ class OperatingGrid:
 
     @property
     def application(self) -> "Application":
-        """What is asked."""
+        """Settings of the study."""
         return self.parts.application
 
     def torque(self, speed: FloatArray) -> FloatArray:
@@ -512,7 +512,7 @@ def _candidates(
 def _lateral(shaft: Shaft, between: FloatArray, torque: float, loss: float) -> float:
     """Return the largest growth of a hung shaft in a range of speeds; nan if held rigidly.
 
-    Of the shaft swinging on its rubber: nobody gives the damping its bending modes have.
+    Of the shaft swinging on its rubber: the damping of its bending modes is not given.
     """
     bearing, tube = shaft.centre_bearing, shaft.tube
     across = bearing and bearing.transverse_stiffness

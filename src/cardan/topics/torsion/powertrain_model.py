@@ -363,7 +363,7 @@ class _Vehicle:
         radius = tyre and (tyre.dynamic_radius or tyre.static_radius)
         self.radius: float = known.of(radius, "tyre.radius")
         self.friction: float = known.of(tyre and tyre.friction, "tyre.friction")
-        # What stands in for damping nobody gave: a loss factor is twice a damping ratio.
+        # What stands in for damping that is not given: a loss factor is twice a damping ratio.
         self.given_loss = None if around.damping_ratio is None else 2 * around.damping_ratio
         self.loss: float = known.of(self.given_loss, "steel.loss")
         pace = main.installed.speed_ratio

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 class VibrationStudy:
     """Every gear's speeds against torsional resonances, parametric zones and flutter.
 
-    What `surroundings` say goes before the application's own; what nobody says is assumed.
+    What `surroundings` say goes before the application's own; what is not given is assumed.
     """
 
     adjacent_rotors: GearboxAndAxleRotors | None = None
@@ -28,7 +28,7 @@ class VibrationStudy:
         return True
 
     def missing_inputs(self, application: Application) -> tuple[str, ...]:
-        """Return what every line needs to be asked how it vibrates."""
+        """Return what a vibration study needs of every line."""
         lines = [i.line for i in application.lines]
         shafts = [s for line in lines for s in line.shafts]
         known = all(s.tube is not None or s.polar_inertia_given is not None for s in shafts)
@@ -42,7 +42,7 @@ class VibrationStudy:
     def run(
         self, application: Application, tell: ProgressCallback = ignore_status
     ) -> "StudyResult[VibrationResult]":
-        """Ask every line."""
+        """Run the study on every line."""
         from cardan.topics.torsion.study import run_vibration_study
 
         return run_vibration_study(application, surroundings=self.adjacent_rotors, tell=tell)

@@ -1,6 +1,6 @@
-"""Ask whether an application vibrates: the whole vehicle in torsion, and each hung shaft.
+"""Evaluate whether an application vibrates: the whole vehicle in torsion, and each hung shaft.
 
-Every gear is asked in every state, at the speeds it has there: from idling with the clutch
+Every gear is evaluated in every state, at the speeds it has there: from idling with the clutch
 closed, from standstill while it slips, up to what governs it or the state's own speed.
 """
 
@@ -34,13 +34,13 @@ from cardan.topics.torsion.vibration_result import (
 )
 
 DEFAULT_RUBBER_LOSS_FACTOR = 0.1
-"""Loss factor of a centre bearing's rubber where nobody gives one: assumed."""
+"""Loss factor of a centre bearing's rubber if not given: assumed."""
 
 
 def run_vibration_study(
     application: Application, *, surroundings: GearboxAndAxleRotors | None, tell: ProgressCallback
 ) -> StudyResult[VibrationResult]:
-    """Ask every line how it vibrates, and hold it against the limits on that.
+    """Evaluate how every line vibrates, and compare it with its limits.
 
     Raises
     ------

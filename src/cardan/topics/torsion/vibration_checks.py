@@ -1,4 +1,4 @@
-"""Checks of a vibration study: each limit against the value that it is asked of."""
+"""Checks of a vibration study: each limit against the value that it applies to."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -26,7 +26,7 @@ from cardan.topics.torsion.vibration_result import (
 
 
 class LimitValueRow(NamedTuple):
-    """What a limit is asked of: a line, when, a part of it, and the value.
+    """What a limit applies to: a line, when, a part of it, and the value.
 
     Where assumed inputs move it, between what it lies.
     """
@@ -83,7 +83,7 @@ def check_limit(of: VibrationResult, limit: Limit) -> tuple[list[Check], list[Un
                 assumed=row.assumed,
                 validity_margin=row.validity_margin,
             )
-            # A range that leaves the verdict as it is, is told where the number is.
+            # A range that leaves the verdict as it is, is reported with the number.
             turns = check.worst_possible_grade != check.best_possible_grade
             checks.append(check if turns else replace(check, within=None, assumed=()))
     if limit.quantity.startswith("launch_"):
@@ -235,12 +235,12 @@ def _accelerations(of: VibrationResult) -> Iterator[LimitValueRow]:
 
 
 def condition_of_launch(of: Launch) -> EvaluationCondition:
-    """Return when the numbers of a launch were asked for."""
+    """Return when the numbers of a launch apply."""
     return EvaluationCondition("launch", of.gear, f"{of.ramp:g}")
 
 
 def _is_judged(of: VibrationResult, launch: Launch) -> bool:
-    """Whether a launch's torque is held against limits: a dropped clutch's if the file asks."""
+    """Whether a launch's torque has limits: a dropped clutch's if the file requests it."""
     return bool(of.application.launches) or launch.capacity <= 1
 
 

@@ -166,7 +166,7 @@ class VibrationResult:
     unstarted
         Those that could not be followed, and why.
     doubts
-        What could not be asked, in words.
+        What could not be evaluated, in words.
     """
 
     application: Application

@@ -1,4 +1,4 @@
-"""Published cases beside what this machine computes, as lines and as JSON."""
+"""Published cases next to what this machine computes, as lines and as JSON."""
 
 from collections.abc import Iterable, Iterator
 from typing import Any

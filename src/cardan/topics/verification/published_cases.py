@@ -1,6 +1,6 @@
 """Self-calibration: published cases, recomputed by this program on this machine.
 
-Each case is a number somebody printed, with where; the tolerance is half a unit of its last
+Each case is a printed number, with its place; the tolerance is half a unit of its last
 printed digit, unless the source is known to round more, and then the case says so. Numbers
 that no publication holds, worked by hand or by engines of another kind, stand apart.
 """
@@ -88,7 +88,7 @@ SOURCE_MECHANICS_COURSES = Source(
 SOURCE_MACHINECALCS = Source("Derived: machinecalcs.com prints 7200 rpm; its own model gives 8284")
 
 CaseKind: TypeAlias = Literal["published", "untraced", "derived"]
-"""Printed where a reader can look; printed somewhere nobody found; computed by other means."""
+"""Printed where a reader can look; printed in an unknown place; computed by other means."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,7 +142,7 @@ _APART: dict[Source, CaseKind] = {
     PME2540_AUTOMOTIVE_COURSE_EXERCISE_E2: "derived",
     ELBE_CATALOGUE: "derived",
 }
-"""Sources whose numbers nobody can look up; E2 and Elbe print the formula and the limit."""
+"""Sources whose numbers cannot be looked up; E2 and Elbe print the formula and the limit."""
 
 
 def _case(
