@@ -73,16 +73,16 @@ MARGIN_MAP_CELLS_PER_SIDE, SEARCHED_MAP_CELLS_PER_SIDE = 33, 13
 """Cells along each side of a map, and where bearing forces are sought in every cell."""
 
 MARGIN_MAP_REFINEMENT_STRIDES = (4, 2, 1)
-"""A map is told as it gets finer: every fourth cell of its rows and columns first."""
+"""A map is sent as it gets finer: every fourth cell of its rows and columns first."""
 
 YIELD_BATCH_VARIANTS = 128
-"""Cases of a yield that are told at a time."""
+"""Cases of a yield that are sent at a time."""
 
 MAX_CORRECTIONS = 6
 """Corrections at most."""
 
 YIELD_CONFIDENCE = 0.95
-"""How sure the interval is that a yield is told with."""
+"""How sure the interval is that a yield is given with."""
 
 FAIL_INDEX_IN_VERDICTS, INCOMPLETE_INDEX_IN_VERDICTS = (
     VERDICTS.index("fail"),
@@ -137,7 +137,7 @@ def propose_corrections(
 ) -> Json:
     """Return corrections of a line with what each moves, gives, and would edit.
 
-    The best that is known is told from the first on.
+    The best that is known is sent from the first on.
     """
     r = _response(read, args)
     tell({"doing": say("looking for corrections")})
@@ -184,7 +184,7 @@ def _correction_message(read: ParsedDocument, p: Correction, say: Translator) ->
 def _variant_evaluator(
     read: ParsedDocument, *, sought: bool, **study: dict[str, InputVariationSpec]
 ) -> VariantEvaluator:
-    """Return where variants of a document are asked, of all its lines."""
+    """Return where variants of a document are evaluated, of all its lines."""
     limits = () if sought else ORDERED_QUANTITIES_WITHOUT_POINT_SEARCH
     try:
         return VariantEvaluator.from_application(
@@ -201,16 +201,16 @@ def _study_names(read: ParsedDocument) -> dict[tuple[str, str, int], str]:
 
 
 def _unanswered_elsewhere(bench: VariantEvaluator) -> list[UnevaluatedCheck]:
-    """Return what is required, has no answer as it stands, and is not asked of variants."""
+    """Return what is required, not evaluated as it stands, and not evaluated for variants."""
     mine = {(line, limit.quantity) for line, limit in bench.limits}
     missed = bench.installed.coverage.missing_required
     return [u for u in missed if (u.line, u.quantity) not in mine]
 
 
 def _study_options(bench: VariantEvaluator, *, sought: bool, elsewhere: bool) -> dict[str, Any]:
-    """Return what a command has to ask so that its answer is that of a bench.
+    """Return the limits a command has to name so that its result is that of a bench.
 
-    Limits that are named leave the others out, so none is where one of those has no answer.
+    Limits that are named leave the others out, so none is if one of those is not evaluated.
     """
     mine = {limit.quantity for _, limit in bench.limits}
     return (
@@ -233,7 +233,7 @@ def _limit_names(bench: VariantEvaluator, say: Translator) -> list[str]:
 def margin_map(
     read: ParsedDocument, args: Json, say: Translator, tell: PartialResultCallback
 ) -> Json:
-    """Return what all lines come to over a field of two moves; coarse maps are told before."""
+    """Return what all lines come to over a field of two moves; coarse maps are sent before."""
     r = _response(read, args)
     every = {_adjustable_id(a): a for a in all_adjustments(r) if a.low < a.high}
     ids = [args.get(key, "") for key in ("x", "y")]
@@ -289,7 +289,7 @@ def margin_map(
 
 
 class _MapCells:
-    """Cells of a map, each asked once."""
+    """Cells of a map, each evaluated once."""
 
     def __init__(self, bench: VariantEvaluator, say: Translator) -> None:
         self.bench, self.say = bench, say
@@ -305,7 +305,7 @@ class _MapCells:
         self.decides = np.full(whole, -1)
 
     def ask(self, places: IntArray, tell: Callable[[int], None]) -> None:
-        """Ask the cells that have no answer yet."""
+        """Evaluate the cells that have no result yet."""
         new = places[self.verdict[places] < 0]
         for first in range(0, new.size, VARIANTS_PER_CHUNK):
             tell(int((self.verdict >= 0).sum()))
@@ -368,7 +368,7 @@ def edits_for_adjustment_amounts(
 def production_yield(
     read: ParsedDocument, args: Json, say: Translator, tell: PartialResultCallback
 ) -> Json:
-    """Return the share that may be built where moves scatter, told as it becomes surer."""
+    """Return the share that may be built where moves scatter, sent as it becomes surer."""
     r = _response(read, args)
     every, called = {_adjustable_id(a): a for a in all_adjustments(r)}, _study_names(read)
     amounts = ((every.get(row["id"]), row["amount"]) for row in args.get("sigmas", []))

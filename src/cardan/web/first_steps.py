@@ -30,7 +30,7 @@ OPTIONAL_LIBRARIES = (
     OptionalLibrary("imctermite", "famos", "imc FAMOS"),
     OptionalLibrary("ngsolve", "bracket", "bracket"),
 )
-"""CSV, Parquet and all other recordings need nothing beside the workbench's own extra."""
+"""CSV, Parquet and all other recordings need nothing but the workbench's own extra."""
 
 
 def missing_libraries() -> list[dict[str, str]]:

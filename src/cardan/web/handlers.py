@@ -1,7 +1,7 @@
 """A document in, results out, as the front draws them: keys, numbers, arrays, names.
 
-Nothing is remembered that could not be told again: what is kept of the last documents saves
-reading them twice. Lengths are in mm, angles in deg, as on the page; what a limit asks about
+Nothing is remembered that could not be computed again: what is kept of the last documents saves
+reading them twice. Lengths are in mm, angles in deg, as on the page; a value under a limit
 is in the unit its quantity is shown in, and None where nothing is known.
 """
 
@@ -105,17 +105,17 @@ WINDUP_KINDS = ("windup", BRAKING_WINDUP_KIND)
 """Kinds of states that stand as their torque winds the axle up; others stand without."""
 
 JOBS_DURING_DRAGGING = ("held", "graded")
-"""What is asked while a hand moves, each in a lane of its own."""
+"""Requests sent while a handle is dragged, each with a queue of its own."""
 
 
 def _ignore_progress(_: Json) -> None:
-    """Tell nobody."""
+    """Ignore progress."""
 
 
 def handle_request(question: Json, tell: PartialResultCallback = _ignore_progress) -> Json:
     """Return the answer to a question; what is wrong with its document is an answer too.
 
-    A job that takes long is told of as it goes.
+    A job that takes long reports its progress.
     """
     folder = Path(question["folder"]) if question.get("folder") else None
     text, name = question["text"], question["name"]
@@ -133,7 +133,7 @@ def handle_request(question: Json, tell: PartialResultCallback = _ignore_progres
     except CardanError as error:
         wrong = _problem_rows(error, text, name, folder, say)
         if question["job"] == "guided":
-            # Of the excerpt that was made: who filled the form in wrote no point in it.
+            # Of the excerpt that was made: the user of the form wrote no point in it.
             made = [p for p in wrong if p["line"]]
             for p in made:
                 p |= {key: say.localise_numbers(p[key]) for key in ("message", "hint", "value")}
@@ -320,7 +320,7 @@ def _helpful_adjustments(
 def _prepare_drag(
     read: ParsedDocument, _: Json, __: Translator, ___: PartialResultCallback
 ) -> Json:
-    """Return nothing; whoever asks about a hand on this document next need not wait for it."""
+    """Return nothing; the next drag request on this document need not wait for it."""
     for r in read.responses:
         list(evaluated_limits(r))
     return {}
@@ -361,10 +361,10 @@ def _background_variant(
 def _compare_variants(
     read: ParsedDocument, args: Json, say: Translator, tell: PartialResultCallback
 ) -> Json:
-    """Return variants beside the text itself: verdicts, what they say and what it does.
+    """Return variants next to the text itself: verdicts, what they say and what it does.
 
     Of the `same` file also what no row shows as it is rounded; of a campaign all that is written
-    otherwise, and the lives of those that have been asked.
+    otherwise, and the lives of those that have been evaluated.
     """
     given = args.get("variants", [])
     first = "" if args.get("same", True) else read.name
@@ -442,7 +442,7 @@ def _changed_file_rows(
 ) -> Iterator[Json]:
     """Give the row of a file that texts name at an address, where it is not the same one.
 
-    One that a revision keeps counts as it was when that was frozen.
+    One that a revision keeps counts as it was when that was released.
     """
     holds = {tuple(map(revisions.released_checksum, of)) for of in paths}
     if len(holds) > 1 or None in next(iter(holds)):
@@ -451,7 +451,7 @@ def _changed_file_rows(
 
 
 def _file_status(said: str, path: Path, say: Translator) -> str:
-    """Return how a file is called, and whether it is there as it was when it was frozen."""
+    """Return how a file is called, and whether it is there as it was when it was released."""
     now = revisions.current_checksum(path)
     if now is None:
         return say("{file}: is no longer there", file=said)

@@ -1,4 +1,4 @@
-"""What a page may ask as a job, and in which shape: nothing else reaches a worker."""
+"""What a page may request as a job, and in which shape: nothing else reaches a worker."""
 
 from collections.abc import Callable, Mapping
 from math import inf
@@ -16,8 +16,8 @@ JOBS_RUN_WITHOUT_QUEUE = frozenset(
 """Jobs that are done at once: they do not wait behind those that take minutes."""
 
 JOBS_QUEUED_SEPARATELY_FOR_VIEWS = frozenset({"library", "compare", "map", "speeds"})
-"""Jobs of several files, and what a view asks by itself: they do not wait there either, and what
-a hand asks for does not wait behind them."""
+"""Jobs of several files, and what a view requests by itself: they do not wait there either, and
+what a drag requests does not wait behind them."""
 
 MAX_VARIANTS = 12
 """Variants of a file that are kept."""
@@ -31,7 +31,7 @@ class InvalidMessageError(Exception):
 
 
 class MessageTooLargeError(InvalidMessageError):
-    """One that it does send, and that is more than is taken: it is told so."""
+    """A job that it may send, and that is larger than accepted: the page gets an error."""
 
 
 def text_field(said: Mapping[str, Any], key: str, most: int = MAX_FILE_CHARACTERS + 1) -> str:
@@ -148,7 +148,7 @@ def _one_of(*choices: str) -> ArgumentReader:
 
 
 def _files_field(said: Json, key: str) -> list[int]:
-    """Return files by their numbers on the desk."""
+    """Return files by their numbers in the workspace."""
     return [integer_field({key: row}, key, 10_000) for row in list_field(said, key, MAX_VARIANTS)]
 
 

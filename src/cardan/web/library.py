@@ -34,7 +34,7 @@ REPORT_MEDIA_TYPES = {
 """Reports by the end of their name, and their media types."""
 
 MAX_CACHED_STATUSES = 500
-"""Texts whose status is not asked again."""
+"""Texts whose status is not computed again."""
 
 _STATUS_CACHE: OrderedDict[tuple[str, str], tuple[Json, tuple[ReferencedFile, ...]]] = OrderedDict()
 """Rows, and the files that their texts name."""

@@ -1,4 +1,4 @@
-"""The limits that an application is held against, and deviations from them that somebody signs."""
+"""The limits that an application is held against, and signed deviations from them."""
 
 from datetime import date
 

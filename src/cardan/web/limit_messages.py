@@ -26,7 +26,7 @@ GRADE_SORT_WEIGHT = 1e6
 def evaluated_limits(
     r: LineResponse, quantities: frozenset[str] = IMMEDIATE_QUANTITIES
 ) -> Iterator[tuple[int, EvaluatedLimit]]:
-    """Yield each limit that asks about a line somewhere, with its number."""
+    """Yield each limit that applies to a line somewhere, with its number."""
     for k, a in enumerate(evaluate_limits(r, quantities=quantities)):
         if a.may_apply.any():
             yield k, a

@@ -1,4 +1,4 @@
-"""A text that was read once, and numbers as they are told."""
+"""A text that was read once, and numbers as they are sent."""
 
 import os
 from collections import OrderedDict
@@ -35,10 +35,10 @@ if TYPE_CHECKING:
 
 Json: TypeAlias = dict[str, Any]
 PartialResultCallback: TypeAlias = Callable[[Json], None]
-"""Told what is known so far of an answer that takes long."""
+"""Receives what is known so far of a result that takes long."""
 
 MAX_CACHED_DOCUMENTS = 6
-"""Documents that are not read again when they are asked about again."""
+"""Documents that are not read again when they are needed again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class ParsedDocument:
 
     @cached_property
     def application(self) -> Application:
-        """What it says; nobody asks what looks wrong while a hand holds it."""
+        """What it says; implausible values are not looked for during a drag."""
         if self.original:
             return overrides.change(self.original.application, self.changed_numbers, warn=False)
         self.referenced_files.clear()  # what could not be read is read again
@@ -112,7 +112,7 @@ class ParsedDocument:
         ]
 
     def with_edits(self, edits: FileChanges, *, held: bool = False) -> "ParsedDocument":
-        """Return it with edits made; what a hand holds is told by numbers, and not read again."""
+        """Return it with edits made; a dragged handle is given by numbers, and not read again."""
         text = self.manuscript.with_changes(edits)
         written = self.application.written if held else None
         if written and all(at in written.numbers for at in edits):
@@ -127,7 +127,7 @@ _DOCUMENT_CACHE: OrderedDict[tuple[str, str, Path | None], ParsedDocument] = Ord
 
 
 def parse_document(text: str, name: str, folder: Path | None) -> ParsedDocument:
-    """Return a document, the same one where it was asked about a moment ago.
+    """Return a document, the same one if it was used a moment ago.
 
     It is another once a file that it names is another.
     """

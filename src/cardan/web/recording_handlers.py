@@ -46,16 +46,16 @@ from cardan.web.parsed_document import (
 )
 
 CHANNEL_ENVELOPE_BINS = 400
-"""Stretches of a channel that its smallest and largest values are told of."""
+"""Stretches of a channel that its smallest and largest values are sent for."""
 
 MAX_FAULT_INTERVALS_PER_KIND = 40
-"""Places of a kind of fault that are told, the longest."""
+"""Places of a kind of fault that are sent, the longest."""
 
 MAX_DRAWN_CHANNELS = 64
 """Channels that are drawn."""
 
 _PAGE_ROLES = ("gauge", "speed", "torque", "engine", "tacho")
-"""What the page asks a channel for."""
+"""What the page needs a channel for."""
 
 
 def inspect_upload(
@@ -70,7 +70,7 @@ def inspect_upload(
 def inspect_campaign_recording(
     read: ParsedDocument, args: Json, say: Translator, tell: PartialResultCallback
 ) -> Json:
-    """Return what a recording of a campaign holds in the channels that are asked about."""
+    """Return what a recording of a campaign holds in the channels in question."""
     of = _campaign_of(read)
     drive = of.drives[min(int(args.get("drive", 0)), len(of.drives) - 1)]
     try:
@@ -135,7 +135,7 @@ def _channel_overview(
 def analyse_upload(
     _: ParsedDocument, args: Json, say: Translator, tell: PartialResultCallback
 ) -> Json:
-    """Return what a recording did to its gauges, and who did it."""
+    """Return what a recording did to its gauges, and its causes."""
     numbers = {
         k: _parsed_number(args, k, label, say) for k, label in _NUMBER_LABELS.items() if args.get(k)
     }
@@ -182,7 +182,7 @@ def analyse_upload(
 def analyse_campaign(
     read: ParsedDocument, say: Translator, tell: PartialResultCallback, *, draw: bool = True
 ) -> StudyResult[CampaignAssessment]:
-    """Ask every recording of a campaign."""
+    """Assess every recording of a campaign."""
     try:
         return campaign_study.analyse_campaign(
             _campaign_of(read), tell=_progress_reporter(say, tell), draw=draw
@@ -194,7 +194,7 @@ def analyse_campaign(
 def campaign_result(
     read: ParsedDocument, _: Json, say: Translator, tell: PartialResultCallback
 ) -> Json:
-    """Return what the recordings of a campaign did to its gauges, and who did it."""
+    """Return what the recordings of a campaign did to its gauges, and its causes."""
     found = analyse_campaign(read, say, tell)
     mix = found.answer
     assert mix is not None
@@ -217,7 +217,7 @@ def campaign_result(
 
 
 def campaign_overview(of: CampaignSpec, say: Translator) -> Json:
-    """Return what a campaign names, and what is asked of it."""
+    """Return what a campaign names, and what is computed from it."""
     asked, profile = AnalysisOptions(**of.options), of.options["limits"]
     amplitude, cycles, slope = map(float, asked.sn.split(","))
     facts = (
@@ -272,7 +272,7 @@ def _campaign_of(read: ParsedDocument) -> CampaignSpec:
 def _progress_reporter(
     say: Translator, tell: PartialResultCallback
 ) -> Callable[[str, int, int], None]:
-    """Return what tells the page what a study does, and how far a pass is; none is read whole."""
+    """Return the function that sends the page a study's stage and progress; none is read whole."""
     return lambda doing, _, __: tell({"doing": progress_text(doing, say)})
 
 
@@ -316,7 +316,7 @@ def _parsed_number(args: Json, key: str, label: str, say: Translator) -> float:
 def _seconds_reporter(
     recording: Recording, say: Translator, tell: PartialResultCallback
 ) -> room.ProgressCallback:
-    """Return what tells how far a look has come, in seconds of the recording."""
+    """Return the function that reports how far a preview has come, in seconds of the recording."""
     whole = round((recording.samples or 0) / recording.rate)
 
     def progress(_: str, seconds: float) -> None:
@@ -346,7 +346,7 @@ def _envelope(
 
 
 def _channel_role(of: Channel) -> str:
-    """Return what a channel is, a guess; "" of what the page asks nothing of.
+    """Return what a channel is, a guess; "" of what the page does not need.
 
     A gauge, a speed or a torque needs a unit to be taken for one.
     """

@@ -1,10 +1,10 @@
-"""Revisions: texts that were frozen, what they name kept beside them, and what became of that.
+"""Revisions: released texts, with copies of the files they name, and later changes of these.
 
 What a text names of its folder is copied, the smallest first, up to `MAX_COPIED_BYTES`. What is
 heavier, recordings of gigabytes, is given a second name instead: that takes no room and no time,
-and the file stays where its first name is thrown away or goes to another. Only who writes into the
-file itself changes both; so what each holds when it is frozen is written down, as `sha256sum -c`
-reads it, and who asks what changed since is told.
+and the file stays where its first name is thrown away or goes to another. Only a write into the
+file itself changes both; so what each holds when it is released is written down, as `sha256sum -c`
+reads it, and changes since are reported on request.
 """
 
 import hashlib
@@ -36,16 +36,16 @@ MAX_LISTED_REVISIONS = 20
 def release_revision(file: Path, text: str, *, by: str, note: str) -> None:
     """Keep a text as a revision of a file that nothing writes over, with what it names.
 
-    It lies in the folder `revisions` beside the file, headed by who froze it and when: what the
-    program says of it, it says for good.
+    It lies in the folder `revisions` next to the file, with who released it and when in its head:
+    what the program says of it, it says for good.
 
     Raises
     ------
     BadFile
-        If it cannot be read, so that nobody knows what is signed, nobody signs it, or it cannot
+        If it cannot be read, so that what is signed is unknown, no name is given, or it cannot
         be written; nothing is left then.
     """
-    # A character that nobody sees would make a revision that nobody can read.
+    # An invisible character would make a revision that cannot be read.
     by, note = (" ".join(replace_hidden_characters(s).split()) for s in (by, note))
     if not by:
         raise InvalidFileError(file.name, (FileIssue(message="is frozen by somebody: sign it"),))
@@ -64,7 +64,7 @@ def release_revision(file: Path, text: str, *, by: str, note: str) -> None:
             continue
         try:
             if beside:
-                own.mkdir()  # nobody else's: ours from here on
+                own.mkdir()  # a new folder: ours from here on
         except FileExistsError:
             continue
         try:
@@ -75,7 +75,7 @@ def release_revision(file: Path, text: str, *, by: str, note: str) -> None:
             if beside:
                 shutil.rmtree(own, ignore_errors=True)
             if isinstance(error, InvalidFileError) and path.exists():
-                continue  # somebody else's, meanwhile
+                continue  # another process's, meanwhile
             raise
         return
     raise InvalidFileError(
@@ -104,7 +104,7 @@ def list_revisions(file: Path) -> list[dict[str, str]]:
 
 
 def current_checksum(path: Path) -> str | None:
-    """Return what tells the contents of a file from others; None where there is no file."""
+    """Return what distinguishes the contents of a file from others; None where there is no file."""
     try:
         return _checksum(path, file_stamp(path))
     except OSError:
@@ -112,7 +112,7 @@ def current_checksum(path: Path) -> str | None:
 
 
 def released_checksum(path: Path) -> str | None:
-    """Return what a revision's file held when it was frozen; any other's is what it holds."""
+    """Return what a revision's file held when it was released; any other's is what it holds."""
     own = next((p for p in path.parents if (p / CHECKSUM_FILE_NAME).is_file()), None)
     if own is None or own.suffix != ".files":
         return current_checksum(path)
@@ -147,7 +147,7 @@ def _relative_name(of: ReferencedFile, folder: Path) -> str:
 
 
 def _store_files(named: dict[str, Path], own: Path) -> None:
-    """Keep files in a folder, under the names that they had from theirs, and what they hold."""
+    """Keep files in a folder, under the names that they had from their own, and what they hold."""
     spare, sums = MAX_COPIED_BYTES, list[str]()
     for rest, file in sorted(named.items(), key=lambda row: row[1].stat().st_size):
         target = own / rest
@@ -200,5 +200,5 @@ def _revision_folder(file: Path) -> Path:
 
 
 def _copies_folder(path: Path) -> Path:
-    """Return the folder of what a revision keeps beside it."""
+    """Return the folder of the files that a revision keeps."""
     return path.with_name(f"{path.stem}.files")

@@ -21,12 +21,12 @@ def session_script(
 ) -> Json:
     """Return a Python script that makes of the saved file what is shown, and commands.
 
-    Of a campaign they ask for its life. Numbers are changed by their addresses. What is no
+    For a campaign they compute its life. Numbers are changed by their addresses. What is no
     number, a part's name or a line that is new, cannot be said so: it is named, and the file
     has to be saved for it.
 
     The commands are for a POSIX shell. Where numbers are not saved yet the first of them is
-    the script; those of `cardan` ask the file as it lies there.
+    the script; those of `cardan` evaluate the file as saved.
     """
     name, drives = read.name, read.recording_campaign is not None
     try:
@@ -95,9 +95,9 @@ def correction_command(
 def study_commands(
     name: str, what: str, count: int, say: Translator, *, ask: Mapping[str, Any], **varies: Any
 ) -> list[str]:
-    """Return a command and a script that ask a study again of the file as it is saved.
+    """Return a command and a script that run a study again on the file as it is saved.
 
-    What is asked stands in a file beside it, named after `what` it is.
+    The study's settings stand in a file next to it, named after `what` it is.
     """
     beside = shell_argument(f"{Path(name).stem}.{what}.json")
     asked = json.dumps({**varies, "ask": ask})  # YAML too; ASCII, and one line

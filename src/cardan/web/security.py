@@ -1,6 +1,6 @@
-"""Who may ask at all: this machine's own browser, from the page that was served to it.
+"""Accepted requests: only from this machine's own browser, from the page that was served to it.
 
-A page of somebody else's, in the same browser, can send requests to this machine too. Its
+A foreign page, in the same browser, can send requests to this machine too. Its
 requests name a foreign host or origin, or say that they come from another site: they are
 refused before anything is read. The token keeps out other users of this machine.
 """
@@ -17,7 +17,7 @@ AsgiSend: TypeAlias = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 AsgiApp: TypeAlias = Callable[[AsgiScope, AsgiReceive, AsgiSend], Awaitable[None]]
 
 WEBSOCKET_SUBPROTOCOL = "cardan.1"
-"""What the socket speaks; the token stands beside it, where no log and no history keeps it."""
+"""What the socket speaks; the token stands next to it, where no log and no history keeps it."""
 
 MAX_PATH_BYTES = 200
 """Bytes of a path: those of the page's own files are shorter."""
@@ -53,7 +53,7 @@ class RequestGuard:
     def one_time_code(self) -> str:
         """Return a code that lets one page in, once and soon: others see how a browser is started.
 
-        That page is told the token.
+        That page receives the token.
         """
         self._one_time_code, self._code_expiry = (
             secrets.token_urlsafe(24),
@@ -94,7 +94,7 @@ class RequestGuard:
             await self.app(scope, receive, guarded)
 
     def _is_cross_origin(self, scope: AsgiScope, *, socket: bool) -> bool:
-        """Return whether a request comes from anywhere but the page, or asks another host."""
+        """Return whether a request comes from anywhere but the page, or addresses another host."""
         hosts, origins = _header_values(scope, b"host"), _header_values(scope, b"origin")
         sites = _header_values(scope, b"sec-fetch-site")
         ours = {f"http://{host}" for host in hosts}
@@ -107,7 +107,7 @@ class RequestGuard:
         )
 
     def _has_token(self, scope: AsgiScope) -> bool:
-        """Return whether a socket brings the token, beside what it speaks."""
+        """Return whether a socket brings the token, next to its protocol."""
         spoken = [
             p.strip()
             for h in _header_values(scope, b"sec-websocket-protocol")

@@ -1,6 +1,6 @@
 """The server: on this machine's own addresses, one page, one socket.
 
-A socket that nobody uses is closed, more than a page needs are not accepted, and what is
+An unused socket is closed, more than a page needs are not accepted, and what is
 served is the front as it was built, nothing of the disk besides.
 """
 
@@ -28,7 +28,7 @@ MAX_CONNECTIONS = 128
 """Connections at a time: a browser has six, and some pages."""
 
 FIRST_REQUEST_TIMEOUT_S = 10.0
-"""Seconds a connection may take to ask anything."""
+"""Seconds a connection may take to send a request."""
 
 JOB_TIMEOUT_S = 600.0
 """Seconds a job may take: a search, a map, a report."""
@@ -131,7 +131,7 @@ def has_ipv6() -> bool:
 
 
 class WorkbenchApp:
-    """What a running workbench consists of: files on the desk, four lanes, one page."""
+    """A running workbench: files in the workspace, four worker processes, one page."""
 
     def __init__(
         self, desk: Workspace, *, port: int, built: Mapping[str, tuple[bytes, str]] | None = None
@@ -153,7 +153,7 @@ class WorkbenchApp:
 
     @property
     def address(self) -> str:
-        """Where the page is; the token stands behind #, which browsers send to nobody."""
+        """Where the page is; the token stands behind #, which browsers never send."""
         return f"http://127.0.0.1:{self.port}/#{self.token}"
 
     @property
@@ -225,7 +225,7 @@ class WorkbenchApp:
 def serve(
     house: WorkbenchApp, listening: list[socket.socket], *, ready: Callable[[], None] = lambda: None
 ) -> None:
-    """Serve until the process is told to end; `ready` is called once it listens."""
+    """Serve until the process is stopped; `ready` is called once it listens."""
     asyncio.run(serve_async(house, listening, ready))
 
 
@@ -261,7 +261,7 @@ async def _call_when_started(server: Any, ready: Callable[[], None]) -> None:
 
 
 def _bounded_protocol(transports: WeakSet[Any]) -> Any:
-    """Return uvicorn's protocol, with an end to connections that ask nothing, or are too many."""
+    """Return uvicorn's protocol, with an end to connections without requests, or too many."""
     from uvicorn.protocols.http.h11_impl import H11Protocol
 
     class Bounded(H11Protocol):

@@ -1,6 +1,6 @@
-"""One socket: what a page asks, and what it is told, by messages of JSON.
+"""One socket: what a page sends, and what it receives, by messages of JSON.
 
-    the page says                          it is told
+    the page says                          it receives
     hello  lang, was                       welcome: texts, quantities, files
     open   file                            opened: text, draft
     ask    id, text, drag, edits, pose     live: what follows; then full: the verdict
@@ -59,16 +59,16 @@ SEND_TIMEOUT_S = 20.0
 """Seconds a page may take to accept a message."""
 
 VERDICT_DELAY_AFTER_EDIT_S = 0.2
-"""Seconds that a hand rests before the verdict is asked for."""
+"""Seconds that a hand rests before the verdict is requested."""
 
 RESPONSE_KIND_BY_JOB = {
     "live": "live", "held": "moved", "graded": "graded", "pose": "posed", "full": "full",
     "help": "helped",
 }  # fmt: skip
-"""What a page is told in answer to each question."""
+"""What a page receives in reply to each request."""
 
 RESPONSE_KIND_BY_MESSAGE = {"ask": "live", "pose": "posed", "help": "helped"}
-"""What is told in answer to each of these messages."""
+"""What is sent in reply to each of these messages."""
 
 MAX_MESSAGE_BYTES = 8_200_000
 """Bytes of a message: a text as long as a file may be, in letters of four bytes."""
@@ -172,7 +172,7 @@ class Session:
             await self._refuse(said, Translator(self.lang).with_minus_sign.error(str(error)))
 
     async def _refuse(self, said: Json, why: str) -> None:
-        """Tell that something is not done, where its answer was waited for."""
+        """Report that something is not done, if its reply was waited for."""
         kind, number = said["type"], said.get("id")
         if kind == "job":
             await self._send("done", id=number, job=said.get("job"), fault=why)
@@ -304,7 +304,7 @@ class Session:
             raise InvalidMessageError
         task = self._jobs[number] = asyncio.create_task(self._run_job(question))
         task.add_done_callback(lambda _: self._jobs.pop(number, None))
-        await asyncio.sleep(0)  # it begins: who is cancelled before would tell nobody
+        await asyncio.sleep(0)  # it begins: cancelled before, it would report nothing
 
     async def _bring(self, said: Json) -> None:
         await self._continue_upload(self.upload.begin, said)
@@ -313,7 +313,7 @@ class Session:
         await self._continue_upload(self.upload.append_chunk, said)
 
     async def _continue_upload(self, how: Callable[[Json], None], said: Json) -> None:
-        """Go on with a recording, and tell how much of it has come, or why none does."""
+        """Go on with a recording, and report how much of it has come, or why none does."""
         try:
             await asyncio.to_thread(how, said)
         except (CardanError, OSError) as error:
@@ -324,7 +324,7 @@ class Session:
         await self._send("brought", id=p.id, name=p.name, got=p.received_bytes, size=p.size)
 
     async def _texts(self) -> list[Json]:
-        """Return what the files on the desk say, a draft before what is saved."""
+        """Return what the files of the workspace say, a draft before what is saved."""
         return await asyncio.to_thread(self.workspace.current_texts)
 
     async def _freeze(self, said: Json) -> None:
@@ -335,7 +335,7 @@ class Session:
         task.add_done_callback(self._background_tasks.discard)
 
     async def _release_revision(self, number: int, text: str, by: str, note: str) -> None:
-        """Freeze a text, while a hand goes on: what it names may be gigabytes to be read."""
+        """Release a text, while a drag goes on: what it names may be gigabytes to be read."""
         try:
             found = await asyncio.to_thread(self.workspace.freeze, number, text, by=by, note=note)
         except (CardanError, OSError) as error:
@@ -349,7 +349,7 @@ class Session:
             task.cancel()
 
     async def _run_job(self, question: Json) -> None:
-        """Answer a job, part by part; who cancels one that takes long ends the process it is in."""
+        """Answer a job, part by part; cancelling a long one ends the process it is in."""
         which = {"id": question["id"], "job": question["job"]}
 
         async def part(told: Json) -> None:
@@ -407,7 +407,7 @@ class Session:
             self._note_file_stamp(number)
             await self._send("saved", file=number, mark=new, text=text)
 
-    # ------------------------------------------------------------------- what it is told
+    # ------------------------------------------------------------------- what it receives
 
     async def _answer(self, lane: LatestOnlyQueue) -> None:
         while True:
@@ -424,11 +424,11 @@ class Session:
             if whole and question["id"] == self._latest_question:
                 later = {k: question[k] for k in ("id", "name", "folder", "lang")}
                 later |= {"job": "full", "text": text}
-                # A hand that moves on has not asked for it: it would only be slowed down.
+                # A hand that moves on has not requested it: it would only be slowed down.
                 self._delayed_verdict = asyncio.create_task(
                     self._put_after(later, VERDICT_DELAY_AFTER_EDIT_S * (job == "graded"))
                 )
-            # What is asked for next: a hand takes hold of it, or a job.
+            # The likely next request: a drag, or a job.
             if job == "live" and self.workers.limits.pid is None:
                 await self.workers.limits.start()
             if job == "full" and question["id"] == self._latest_question:
@@ -451,12 +451,12 @@ class Session:
             if number is not None and any(
                 file_stamp(p) != of for p, of in self._referenced_stamps.items()
             ):
-                self._referenced_stamps = {}  # until it is asked again
+                self._referenced_stamps = {}  # until it is requested again
                 self._campaign_lives.clear()
                 await self._send("beside", file=number)
 
     async def _send_disk_state(self, number: int, *, conflict: bool) -> None:
-        """Tell what a file is on disk now."""
+        """Send the state of a file on disk now."""
         self._note_file_stamp(number)
         try:
             text = await asyncio.to_thread(self.workspace.files[number].read)
@@ -493,7 +493,7 @@ class Session:
         return number
 
     def _question(self, said: Json, job: str) -> Json:
-        """Return what the page asks, as a worker takes it: nothing else gets through."""
+        """Return what the page requests, as a worker takes it: nothing else gets through."""
         question: Json = {
             "job": job,
             "id": jobs.integer_field(said, "id", 2**53),

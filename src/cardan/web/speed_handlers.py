@@ -31,10 +31,10 @@ from cardan.web.parsed_document import (
 )
 
 FORCE_CURVE_SPEED_COUNT = 72
-"""Speeds from standing to the fastest at which bearings are asked what they carry."""
+"""Speeds from standing to the fastest at which the forces on bearings are computed."""
 
 SPEED_TO_RESONANCE_RATIOS_SAMPLED = np.linspace(0.85, 1.15, 11)
-"""Beside each resonance, as shares of its speed, they are asked again."""
+"""Speeds next to each resonance, as shares of its speed, that are added."""
 
 PLOTTED_BEARING_FORCE_ORDERS = (1, 2, 4, 6)
 """Orders of the shaft's speed that a bearing feels: unbalance, and the joints'."""

@@ -1,4 +1,4 @@
-"""The workbench's page over what was computed beforehand: one file that needs nobody to answer.
+"""The workbench's page over what was computed beforehand: one file that needs no server.
 
 States, travel, limits and the three dimensions are there; nothing can be changed. The page is
 the same as that of `cardan serve`, built once more into one script.
@@ -74,7 +74,7 @@ def _csp_hash(of: str) -> str:
 
 
 def _precomputed_answers(text: str, name: str, folder: str | None, say: Translator) -> Json:
-    """Return everything that the page is told, in answer to whatever it asks."""
+    """Return everything that the page receives, in reply to any request."""
     question = {"text": text, "name": name, "folder": folder, "lang": say.code}
     reader.loads(text, name=name, folder=Path(folder) if folder else None)  # refuses, and says why
     live = handle_request({**question, "job": "live", "pose": {"line": 0}, "want": []})
@@ -99,7 +99,7 @@ def _precomputed_answers(text: str, name: str, folder: str | None, say: Translat
 def _line_poses(question: Json, line: int, states: int, limits: Sequence[Json]) -> Json:
     """Return a line's poses: in every state, over its axle's travel, where limits are worst.
 
-    No other torque is told: there is none that a slider of torque could go to.
+    No other torque is sent: there is none that a slider of torque could go to.
     """
 
     def pose(want: tuple[str, ...], **where: float | str) -> Json:

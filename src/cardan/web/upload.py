@@ -1,6 +1,6 @@
 """A recording on its way from the page: piece by piece into a file of ours, gone with the page.
 
-The page says what it is called and how long it is; where it lies here nobody but us decides.
+The page says what it is called and how long it is; where it lies here only this module decides.
 """
 
 import shutil

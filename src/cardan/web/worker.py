@@ -1,8 +1,8 @@
 """The process that answers: questions on standard input, answers on standard output.
 
 Each is a length of four bytes and as much JSON; before an answer may go parts of it, under the
-key `part`. It ends when nobody writes to it any more,
-so it never outlives who started it; what takes too long is ended from outside.
+key `part`. It ends when its input is closed,
+so it never outlives its parent process; what takes too long is ended from outside.
 """
 
 import gc
@@ -30,7 +30,7 @@ MAX_CPU_S = 1800
 
 
 def main() -> None:
-    """Answer until nobody asks."""
+    """Answer requests until the input ends."""
     questions, answers = _open_streams()
     _limit_resources()
     if "patient" in sys.argv[1:] and hasattr(os, "nice"):
@@ -43,7 +43,7 @@ def main() -> None:
         try:
             answers.write(FRAME_LENGTH_STRUCT.pack(len(data)) + data)
             answers.flush()
-        except BrokenPipeError:  # who asked is gone
+        except BrokenPipeError:  # the caller is gone
             os._exit(0)
 
     while (question := _read_frame(questions)) is not None:
@@ -54,7 +54,7 @@ def main() -> None:
                 found["beside"] = referenced_file_stamps(question, found["text"])
         except MemoryError:
             found = {"fault": "MemoryError"}
-        except Exception as error:  # noqa: BLE001  a fault of ours is told, and asked about again
+        except Exception as error:  # noqa: BLE001  a fault of ours is reported, and can be retried
             import traceback
 
             traceback.print_exc()
@@ -63,8 +63,8 @@ def main() -> None:
 
 
 def _open_streams() -> tuple[BinaryIO, BinaryIO]:
-    """Return the streams of questions and answers; whatever else is printed goes elsewhere."""
-    ignore_interrupts()  # who asked ends both
+    """Return the streams of questions and answers; anything else printed goes elsewhere."""
+    ignore_interrupts()  # the caller ends both
     # What a check makes lasts as long as it does; see `cardan.cli.main`.
     gc.set_threshold(50_000, 20, 50)
     answers = os.fdopen(os.dup(1), "wb")

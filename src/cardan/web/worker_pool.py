@@ -1,6 +1,6 @@
-"""Lanes of questions, each answered by a process of its own, one after another.
+"""Queues of requests, each served by a process of its own, one after another.
 
-Who asks again before the last question was answered takes its place: the latest value wins.
+A request made before the last one was answered takes its place: the latest value wins.
 A process that takes too long, or ends, is replaced by a new one.
 """
 
@@ -50,7 +50,7 @@ class WorkerQueue:
     async def ask(self, question: Json, tell: AsyncPartialResultCallback | None = None) -> Json:
         """Return an answer; one with a `fault` where there is none.
 
-        `tell` is told of parts that come before it.
+        `tell` receives the parts that come before it.
         """
         data = json.dumps(question, separators=(",", ":")).encode()
         if len(data) > MAX_FRAME_BYTES:
@@ -65,13 +65,13 @@ class WorkerQueue:
                 await self._end_process()
                 return {"fault": "too slow"}
             except (OSError, asyncio.IncompleteReadError):
-                if self._closed:  # it was ended: nobody waits for how
+                if self._closed:  # it was ended: how does not matter
                     return {"fault": "closed"}
                 spent = await self._end_process(by_itself=True) == -CPU_LIMIT_SIGNAL
                 return {"fault": "too much work" if spent else "ended"}
             except asyncio.CancelledError:
-                # Half an answer may be on its way: nobody could tell it from the next. Who asks
-                # next need not wait for a process to start.
+                # Half an answer may be on its way: it would be taken for the next. The caller
+                # then need not wait for a process to start.
                 await self._end_process()
                 if not self._closed:
                     await self._running_process()
@@ -84,7 +84,7 @@ class WorkerQueue:
         return self._process.pid if self._process and running else None
 
     async def start(self) -> None:
-        """Start the process before anybody asks."""
+        """Start the process before the first request."""
         async with self._lock:
             if not self._closed:
                 await self._running_process()
@@ -151,7 +151,7 @@ class WorkerQueue:
         if process is None:
             return None
         if by_itself:
-            # A signal to one that has just ended takes its status from who waits for it.
+            # A signal to one that has just ended takes its status from the waiting process.
             with suppress(TimeoutError):
                 return await asyncio.wait_for(process.wait(), EXIT_TIMEOUT_S)
         with suppress(ProcessLookupError):
@@ -178,7 +178,7 @@ class WorkerQueues(NamedTuple):
 
 
 class LatestOnlyQueue:
-    """What one asker wants of a lane: a question that is not asked yet gives way to a newer."""
+    """Requests of one caller to a worker: one that is not sent yet gives way to a newer."""
 
     def __init__(self, lane: WorkerQueue) -> None:
         self.worker = lane
@@ -186,12 +186,12 @@ class LatestOnlyQueue:
         self._waiting = asyncio.Event()
 
     def put(self, question: Json) -> None:
-        """Ask this next, in place of what waited."""
+        """Send this next, in place of what waited."""
         self._next = question
         self._waiting.set()
 
     def clear(self) -> None:
-        """Ask nothing next."""
+        """Send nothing next."""
         self._next = None
 
     async def get(self) -> tuple[Json, Json]:
@@ -200,5 +200,5 @@ class LatestOnlyQueue:
             self._waiting.clear()
             await self._waiting.wait()
         question, self._next = self._next, None
-        # Who goes leaves the process to the others: its answer is thrown away, not its work.
+        # A leaving caller leaves the process to the others: its result is dropped, not its work.
         return question, await asyncio.shield(self.worker.ask(question))

@@ -1,7 +1,7 @@
-"""The desk: the files that were opened, their drafts, and what changes on disk meanwhile.
+"""The workspace: the files that were opened, their drafts, and what changes on disk meanwhile.
 
 The file is the truth. What is edited and not saved lies as a draft in a folder of the
-user's, not beside the file; it is there again after a crash, and gone once it is saved.
+user's, not next to the file; it is there again after a crash, and gone once it is saved.
 A browser names a file by its number here, never by a path.
 """
 
@@ -32,11 +32,11 @@ MAX_FILES = 500
 """Files of a folder that are listed."""
 FILE_SUFFIXES = (".yaml", ".yml")
 _OWNER_PATTERN = re.compile("[0-9a-f]{16}")
-"""As what somebody keeps drafts."""
+"""As what a page keeps drafts."""
 
 
 def text_fingerprint(text: str) -> str:
-    """Return what tells a text from another."""
+    """Return what distinguishes a text from another."""
     return sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:32]
 
 
@@ -68,7 +68,7 @@ def restore_line_ends(text: str, like: str) -> str:
 
 @dataclass(eq=False)
 class OpenFile:
-    """A file on the desk."""
+    """A file of the workspace."""
 
     path: Path
     name: str
@@ -98,7 +98,7 @@ class OpenFile:
         return normalise_line_ends(text)
 
     def stamp(self) -> FileChangeStamp:
-        """Return what tells it from what it was before."""
+        """Return what distinguishes it from what it was before."""
         return file_stamp(self.path)
 
 
@@ -127,7 +127,7 @@ class Workspace:
         self._lock = RLock()
         """Held from what is read of the disk until what follows from it is written."""
         self._present_owners = set[str]()
-        """Who keeps drafts, each his own, and is there still."""
+        """Pages that keep drafts of their own, and are still open."""
         self._abandoned_drafts: dict[tuple[int, str], list[Path]] = {}
         """Drafts that others left, by the file and by whom they were seen among its variants."""
         path = Path(os.path.realpath(opened))
@@ -143,24 +143,24 @@ class Workspace:
         self.files = [OpenFile(path=p, name=p.name, folder=self.folder) for p in found]
 
     def register_owner(self, was: str = "") -> str:
-        """Return as whom a page keeps drafts: as before, unless somebody else is that by now."""
+        """Return as whom a page keeps drafts: as before, unless another page is that by now."""
         known = _OWNER_PATTERN.fullmatch(was) and was not in self._present_owners
         who = was if known else secrets.token_hex(8)
         self._present_owners.add(who)
         return who
 
     def release_owner(self, by: str) -> None:
-        """Leave drafts behind, to whoever comes next."""
+        """Leave drafts behind, to the next page that opens them."""
         self._present_owners.discard(by)
 
     def open(
         self, number: int, *, by: str = "", back: bool = False, word: str = ""
     ) -> dict[str, Any]:
-        """Return a file's text, and what was not saved of it by those who went.
+        """Return a file's text, and what was not saved of it by closed pages.
 
-        The last such draft is theirs `by` whom it is opened from now on; the others stand among
-        the variants, each by a `word` and when it was kept. Who comes `back` has a text already.
-        Where nobody left any, the last of somebody who is there is shown.
+        The last such draft belongs to the page `by` that opens it from now on; the others stand
+        among the variants, each by a `word` and when it was kept. A page that comes `back` has a
+        text already. If none was left, the last of a page still open is shown.
         """
         paper = self.files[number]
         text = paper.read()
@@ -215,9 +215,9 @@ class Workspace:
         return revisions.list_revisions(self.files[number].path)
 
     def keep_variants(self, number: int, variants: list[dict[str, str]], *, by: str = "") -> None:
-        """Keep variants of a file, each a name and a text, beside its drafts.
+        """Keep variants of a file, each a name and a text, next to its drafts.
 
-        A draft that somebody left, was shown among them, and is not there any more is thrown away.
+        A draft that a page left, was shown among them, and is not there any more is thrown away.
         """
         paper, texts = self.files[number], {v["text"] for v in variants}
         for path in self._abandoned_drafts.get((number, by), []):
@@ -250,7 +250,7 @@ class Workspace:
             try:
                 write_atomically(path, text, within=self.folder)
             except InvalidFileError:
-                if path.exists():  # somebody else's, meanwhile
+                if path.exists():  # another process's, meanwhile
                     continue
                 raise
             with self._lock:
@@ -345,7 +345,7 @@ class Workspace:
         ]  # fmt: skip
 
     def _stored_path(self, paper: OpenFile, what: str = "") -> Path:
-        """Return where something of a file is kept: its variants, or somebody's draft."""
+        """Return where something of a file is kept: its variants, or a page's draft."""
         name = sha256(os.fsencode(paper.path)).hexdigest()[:32]
         return self.drafts / f"{name}{what and '.' + what}.json"
 
