@@ -44,7 +44,7 @@ ADJUSTMENTS_OF_LINE_WITHOUT_LENGTHS = ("phase", "shim")
 
 
 def allowed_adjustments(response: LineResponse) -> tuple[PermittedAdjustment, ...]:
-    """Return what may be moved in a line: what the application allows, or house practice."""
+    """Return what may be moved in a line: what the application allows, or engineering judgement."""
     application, name = response.application, response.line.name
     if application.adjustables:
         return tuple(a for a in application.adjustables if a.line == name and not a.hold)
@@ -77,7 +77,7 @@ def all_adjustments(response: LineResponse) -> tuple[PermittedAdjustment, ...]:
 
 
 def alternative_mount_adjustments(response: LineResponse) -> tuple[PermittedAdjustment, ...]:
-    """Return what other mounts would move of a line, whoever allows it."""
+    """Return what other mounts would move of a line, allowed or not."""
     line = response.line
     found: list[PermittedAdjustment] = []
     for m in ADJUSTMENTS.values():
@@ -150,9 +150,9 @@ def corrected_application(
     """Return the application with things of a line moved by these amounts (movable), SI.
 
     Its layouts, yoke phases and pinion are as a file would say them after the correction, and so
-    is where a line begins that leaves a shimmed axle, for studies that ask the application anew.
-    Not so its spline: what travel is left in one counts from where the line was first installed,
-    and the driveline's own answer is `tried`.
+    is where a line begins that leaves a shimmed axle, for studies that evaluate the application
+    anew. Not so its spline: what travel is left in one counts from where the line was first
+    installed, and the driveline's own answer is `tried`.
     """
     by = _by(response, movable, amounts[None])
     shift, shim = by.bearing_shift[0, 0], float(by.shim[0, 0])

@@ -64,8 +64,8 @@ class Approval:
     def verdict(self) -> Verdict:
         """The worst of all checks, incomplete where nothing fails but an answer is missing.
 
-        An application that nothing is requested of is incomplete too, and one of which a study was
-        asked that could not answer.
+        An application that nothing is requested of is incomplete too, and one with a requested
+        study that could not run.
         """
         refused = any(f.run_failed for f in self.study_results)
         return verdict_of(self.checks, missed=refused or bool(self.coverage.missing_required))
@@ -113,7 +113,7 @@ class Approval:
 
     @property
     def studies_not_run(self) -> tuple[str, ...]:
-        """Studies that the application gives grounds for, and that nobody asked."""
+        """Studies that the application gives grounds for, and that were not requested."""
         return tuple(f.study for f in self.study_results if not f.was_run)
 
     @property
@@ -137,11 +137,11 @@ class Approval:
         return tuple(map(str, self.note_messages))
 
     def answer_of(self, study: str) -> Any:
-        """Return the answer of a study; None where it was not asked or had none."""
+        """Return the result of a study; None if it was not run or has none."""
         return next((f.answer for f in self.study_results if f.study == study), None)
 
     def unevaluated_quantities(self) -> tuple[str, ...]:
-        """Return the quantities that limits ask about and no number answered at all."""
+        """Return the quantities that have limits and no value at all."""
         answered = {c.quantity for c in self.checks}
         missed = dict.fromkeys(u.quantity for u in self.coverage.unevaluated)
         return tuple(q for q in missed if q not in answered)
@@ -153,7 +153,7 @@ def approve_application(
     *,
     tell: ProgressCallback = ignore_status,
 ) -> Approval:
-    """Ask studies of an application, and gather what they find into one approval.
+    """Run studies of an application, and gather their results into one approval.
 
     Parameters
     ----------
@@ -162,20 +162,20 @@ def approve_application(
         nothing of is `with_default_limits` those of another.
     studies
         Which, in this order; by default those of `default_studies`. What a study misses
-        leaves its limits unanswered, and so does one that is not asked with the driveline
+        leaves its limits not evaluated, and so does one that is not run with the driveline
         though the application is about it.
     tell
-        Told how far it has come.
+        Receives the progress.
 
     Raises
     ------
     DesignError
         If the driveline cannot exist in a state, or a study that is run alone refuses.
-        One that refuses beside others leaves its limits unanswered, with the reason.
+        One that refuses among others leaves its limits not evaluated, with the reason.
     """
     chosen = default_studies(application) if studies is None else studies
     names = {study.name for study in chosen}
-    # A profile that says nothing of the driveline asks nothing of it.
+    # A profile that says nothing of the driveline requires nothing of it.
     for name in sorted(names - {DRIVELINE_STUDY_NAME}):
         application = with_default_limits(application, name)
     return Approval(
@@ -210,7 +210,7 @@ def with_default_limits(application: Application, study: str) -> Application:
     """Return an application for a study that is run on it.
 
     Where the application's limits say nothing of the study, those of the profile that counts
-    where none is named are held against it: an answer that nothing asks about would pass.
+    where none is named are held against it: a result without limits would pass.
     """
     if limits_of_study(study, application):
         return application
@@ -228,7 +228,7 @@ def with_default_limits(application: Application, study: str) -> Application:
 def _found(
     study: Study[Any], application: Application, tell: ProgressCallback, *, alone: bool
 ) -> StudyResult[Any]:
-    """Return what a study finds, or why it could not be asked."""
+    """Return what a study finds, or why it could not be run."""
     needs, refused = study.missing_inputs(application), False
     if alone and needs:
         msg = f"{study.name} needs {', '.join(needs)}"
@@ -241,7 +241,8 @@ def _found(
                 found = replace(found, checks=checks)
             return found
         except (DesignError, ConvergenceError) as error:
-            # A recording was named for its own sake: silence about it would be no answer.
+            # A recording was named for its own sake: silence about it would hide that it is
+            # missing.
             if alone or study.name in (DRIVELINE_STUDY_NAME, RECORDING_STUDY_NAME):
                 raise
             needs, refused = (str(error),), True
@@ -274,7 +275,7 @@ def _without_checks_of_placeholders(
 
 
 def _unasked(application: Application, names: set[str]) -> Iterator[StudyResult[Any]]:
-    """Yield the silence of studies that nobody asked."""
+    """Yield notes on studies that were not requested."""
     for name, registered in study_registrations().items():
         if name in names:
             continue

@@ -40,10 +40,11 @@ class AssumedInput:
     range_in
         Its range where a response stands on it, else None.
     values_at_ends
-        What limits of some of its quantities are asked of at both ends of the range.
+        Quantities whose limits are evaluated at both ends of the range.
     all_of_it_comes
         Whether the range is one that the line goes through, as rubber from cold to hot: then the
-        worse end alone is told, because no better one helps, and none where a check fails anyway.
+        worse end alone is reported, because no better one helps, and none where a check fails
+        anyway.
     """
 
     quantities: frozenset[str]

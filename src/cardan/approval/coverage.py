@@ -14,24 +14,24 @@ APPROVAL_SUBJECTS: dict[ApprovalSubject, str] = {
     "speed": "critical_speed_ratio",
     "strength": "tube_shear_utilisation",
 }
-"""What an approval is expected to be of, beside angles, and the quantity that tells."""
+"""What an approval is expected to cover besides angles, and the quantity that shows it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class CheckCoverage:
-    """How many of the questions that a profile asks got an answer."""
+    """How many of the checks of a profile are evaluated."""
 
     evaluated: int
     unevaluated: tuple[UnevaluatedCheck, ...]
 
     @property
     def total(self) -> int:
-        """Limits times the states and parts they ask about."""
+        """Limits times the states and parts they apply to."""
         return self.evaluated + len(self.unevaluated)
 
     @property
     def missing_required(self) -> tuple[UnevaluatedCheck, ...]:
-        """What leaves a verdict incomplete: required, and without an answer."""
+        """What leaves a verdict incomplete: required, and not evaluated."""
         return tuple(u for u in self.unevaluated if u.limit.required)
 
 
@@ -44,7 +44,7 @@ def coverage_of(*findings: StudyResult[Any]) -> CheckCoverage:
 
 
 def verdict_of(checks: Sequence[Check], *, missed: bool) -> Verdict:
-    """Return what checks come to; `missed` where a required limit got no answer.
+    """Return what checks come to; `missed` if a required limit is not evaluated.
 
     Where nothing was requested nothing is approved either.
     """

@@ -41,7 +41,7 @@ class DrivelineStudy:
         return True
 
     def missing_inputs(self, application: Application) -> tuple[str, ...]:
-        """Return nothing: what is not given leaves limits unanswered, one by one."""
+        """Return nothing: what is not given leaves limits not evaluated, one by one."""
         del application
         return ()
 
@@ -73,15 +73,16 @@ class DrivelineStudy:
 
 @dataclass(frozen=True, kw_only=True)
 class EvaluatedLimit:
-    """One limit asking about one quantity of a line.
+    """One limit on one quantity of a line, with the values it applies to.
 
-    `asks` tells where it does, and `values` are its answers, both (..., states, parts): nan
-    where it does not ask, or nothing answers. `may` (states, parts) tells where it would ask
+    `asks` is where it applies, and `values` are evaluated, both (..., states, parts): nan
+    where it does not apply, or is not known. `may_apply` (states, parts) is where it would apply
     at other angles, speeds and torques: it looks at the kinds of states and joints alone.
-    Values are the worst of all operating points where the limit asks at those, `spots` says
+    Values are the worst of all operating points where the limit applies at those, `spots` says
     at which, and `own` are those at the state's own torque and speed. One that is required of
-    kinds of state that are not there asks the first, and has no answer. Where `validity_margin`
-    (..., states, parts) is negative values are lower bounds; elsewhere it is infinite.
+    kinds of state that are not there applies to the first, and is not evaluated. Where
+    `validity_margin` (..., states, parts) is negative values are lower bounds; elsewhere it is
+    infinite.
     """
 
     limit: Limit
@@ -106,7 +107,7 @@ class EvaluatedLimit:
 def evaluate_limits(
     response: LineResponse, *, quantities: Container[str] = LINE_QUANTITIES
 ) -> Iterator[EvaluatedLimit]:
-    """Yield every limit of the application, of every profile and of the parts, that asks."""
+    """Yield every limit of the application, of every profile and of the parts, that applies."""
     limits = limits_to_evaluate(response.application)
     for key, quantity in LINE_QUANTITIES.items():
         if key not in quantities:
@@ -141,7 +142,7 @@ def evaluate_limits(
         spread = _spread(quantity, response, [limit for limit, _, _ in each], like=known)
         for limit, may, does in each:
             values, spots = _worst(limit, known, spread)
-            if limit.required and is_only_bound.any():  # a bound that does not fail is no answer
+            if limit.required and is_only_bound.any():  # a bound that does not fail proves nothing
                 fails = limit.grades(values) == CHECK_GRADES.index("fail")
                 values = np.where(is_only_bound & ~fails, np.nan, values)
             spots = quantity.find_worst_points(response) if quantity.find_worst_points else spots
@@ -150,7 +151,7 @@ def evaluate_limits(
                 may, does, there = np.arange(len(kinds))[:, None] == 0, True, False
             may = np.broadcast_to(may, values.shape[-2:])
             asks = np.broadcast_to(may & does, values.shape)
-            if limit.if_given:  # then what is not given was not asked either
+            if limit.if_given:  # then what is not given needs no evaluation either
                 given = ~np.isnan(values)
                 asks = asks & given
                 may = may & given.any(axis=tuple(range(given.ndim - 2)))
@@ -174,9 +175,9 @@ def evaluate_limits(
 def _spread(
     quantity: Quantity, response: LineResponse, limits: list[Limit], *, like: FloatArray
 ) -> tuple[FloatArray, LineOperatingPoints] | None:
-    """Return what limits ask about at operating points, (P, ..., states, parts), and those.
+    """Return values under limits at operating points, (P, ..., states, parts), and those.
 
-    With variants only where values `like` have them; None where no limit asks there, or
+    With variants only where values `like` have them; None if no limit applies there, or
     there are none.
     """
     asking = quantity.at_all_points and any(limit.points == "all" for limit in limits)
@@ -211,7 +212,7 @@ def _worst(
 def _known_with_lower_bounds(
     quantity: Quantity, response: LineResponse
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """Return what limits ask about, its validity margin, and where it is a bound alone.
+    """Return the values under limits, their validity margin, and where it is a bound alone.
 
     Beyond the margin it is a lower bound, of a value that is known or not.
     """
@@ -226,7 +227,7 @@ def _known_with_lower_bounds(
 
 
 def _known(quantity: Quantity, response: LineResponse, *, lower_bounds: bool = False) -> FloatArray:
-    """Return what limits ask about: sizes; of what stands idle in every state nobody knows."""
+    """Return the values under limits: sizes; nan for what stands idle in every state."""
     values = quantity.values(response, lower_bounds=lower_bounds)
     values = np.abs(values) if quantity.signed else values
     for need in quantity.requirements:
@@ -243,7 +244,7 @@ def _of_kinds(kinds: frozenset[str] | None, response: LineResponse) -> BoolArray
 def _idle(quantity: Quantity, response: LineResponse) -> BoolArray:
     """Return where the application says that nothing turns or carries, (..., states, 1).
 
-    Nowhere if that is so in every state: then nobody has answered.
+    Nowhere if that is so in every state: then nothing is known.
     """
     found = np.zeros((1, 1), dtype=bool)
     for need in quantity.requirements:
@@ -272,9 +273,9 @@ def check_limit_at_part(
     *,
     mode: OrderCrossing | None = None,
 ) -> Check | None:
-    """Return the check of one state and part; None where the limit has no answer there.
+    """Return the check of one state and part; None if the limit is not evaluated there.
 
-    `mode` is what a line's turning meets there, where somebody has looked.
+    `mode` is what a line's turning meets there, if evaluated.
     """
     value = question.values[state, part]
     if np.isnan(value):

@@ -1,4 +1,4 @@
-"""Limits that leave no value between them: each is someone's requirement, and both are named."""
+"""Limits that leave no value between them: each is a requirement, and both are named."""
 
 from collections.abc import Iterator, Sequence
 from itertools import product
@@ -59,7 +59,7 @@ def _crossed_bounds(low: Limit, high: Limit) -> tuple[float, float] | None:
 
 
 def _common_parts(one: EvaluatedLimit, other: EvaluatedLimit) -> tuple[Part, ...]:
-    """Return the parts that both limits ask about in some state."""
+    """Return the parts that both limits apply to in some state."""
     places = {part: k for k, part in enumerate(other.parts)}
     return tuple(
         part

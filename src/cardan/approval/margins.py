@@ -26,7 +26,7 @@ def margins(*responses: LineResponse, to: LimitBound) -> FloatArray:
 
 
 def margins_to_both_bounds(*responses: LineResponse) -> dict[LimitBound, FloatArray]:
-    """Return every margin of lines to either bound, asked once."""
+    """Return every margin of lines to either bound, evaluated once."""
     questions = [(r, tuple(evaluate_limits(r))) for r in responses]
     return {
         bound: np.concatenate([_margins(r, q, to=bound) for r, q in questions], axis=-1)
@@ -47,7 +47,7 @@ def _margins(
         for q in questions
     ]
     full = [np.broadcast_to(m, (*cases, *m.shape[-2:])).reshape(*cases, -1) for m in each]
-    # A limit that does not ask is as good as one satisfied many times over.
+    # A limit that does not apply is as good as one satisfied many times over.
     return np.nan_to_num(np.minimum(np.concatenate(full, axis=-1), MARGIN_CAP), nan=MARGIN_CAP)
 
 

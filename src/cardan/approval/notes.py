@@ -33,7 +33,7 @@ MAX_SPRING_RATE_DEVIATION = 0.005
 """Share by which stated rates may miss the loads of their table before it is worth a word."""
 
 MAX_LINEAR_RUBBER_TRAVEL_M = 10 * mm
-"""How far the rubber of a centre bearing may be taken to go without stiffening: house practice."""
+"""Deflection of a centre bearing's rubber without stiffening, at most: engineering judgement."""
 
 STRENGTH_QUANTITIES = frozenset({"joint_torque_utilisation", "tube_shear_utilisation"})
 """What a wrong torque makes pass first."""
@@ -90,7 +90,7 @@ def _mm(length: float, digits: int = 3) -> str:
 
 
 def _unasked_joints(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage]:
-    """Yield joints other than crosses whose angle no limit asks about: nothing rates them."""
+    """Yield joints other than crosses whose angle no limit applies to: nothing rates them."""
     for r in responses:
         if {m.quantity for m in r.application.limits} & {"joint_angle", "compound_angle"}:
             continue  # then each misses its rating, and is listed so
@@ -239,7 +239,7 @@ def _beyond_stops(responses: Iterable[LineResponse]) -> Iterator[TranslatableMes
 
 
 def _giving_rubber(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage]:
-    """Yield, line by line, how far rubber gives where that is much, and nobody knows its stop."""
+    """Yield, line by line, how far rubber deflects where that is much, and its stop is unknown."""
     for r, moves in _travels(responses):
         told = np.where(np.isnan(r.mount_loads.mount_stop_travel), moves, np.nan)
         if not np.nanmax(told, initial=0.0) > MAX_LINEAR_RUBBER_TRAVEL_M:
@@ -271,7 +271,7 @@ def _set_down(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage
             both = [
                 [*evaluate_limits(of, quantities=ANGLE_QUANTITIES)] for of in (r, deflected_line(r))
             ]
-        except DesignError:  # as it hangs it does not, or nobody had come here
+        except DesignError:  # as it hangs it does not, or this line would not be reached
             yield translatable_message(
                 "with the bearings where torque moves them on their rubber a joint of line {line} "
                 "locks: the rubber is too soft for it, or too far from its joint",
@@ -332,7 +332,7 @@ def _where(r: LineResponse, there: BoolArray) -> tuple[str, ...]:
 
 
 def _lifted_axles(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage]:
-    """Yield in which states a front axle lifts, once for all lines that ask the same."""
+    """Yield in which states a front axle lifts, once for all lines with the same limit."""
     seen = set[tuple[str, ...]]()
     for r in responses:
         if r.demand.static_state.line.vehicle is None:
@@ -349,7 +349,7 @@ def _lifted_axles(responses: Iterable[LineResponse]) -> Iterator[TranslatableMes
 
 
 def _not_driven(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage]:
-    """Yield the ways in which a vehicle is driven by its engine, and some line is not asked."""
+    """Yield the ways in which a vehicle is driven by its engine, and some line is not evaluated."""
     of = [
         r.demand for r in responses
         if (line := r.demand.static_state.line).engine is not None and line.vehicle is not None
@@ -397,7 +397,7 @@ def _unconfirmed_demand(application: Application) -> Iterator[TranslatableMessag
 
 
 def _left_out(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage]:
-    """Yield, line by line, what torque would do that nobody can tell of it."""
+    """Yield, line by line, what torque would do and cannot be computed."""
     for r in responses:
         if np.isnan(r.demand.torque).all() or r.layout.points.ndim > 3:
             continue
@@ -555,7 +555,7 @@ def _of_the_axle(r: LineResponse) -> Iterator[TranslatableMessage]:
 
 
 def _unknown_load(line: LineWithResolvedReferences, states: BoolArray) -> str:
-    """Return the key that a file lacks where nobody knows what load moves with the tyres' pull."""
+    """Return the key that a file lacks if it is unknown what load moves with the tyres' pull."""
     if line.tyre is None:
         return "tyre"
     if line.vehicle is None:

@@ -1,6 +1,6 @@
 """What every question about an application has in common: a study, and what it finds.
 
-A study says what it can ask, what it misses to ask it, and what it found. Its limits are
+A study says what it can evaluate, what it lacks for it, and what it found. Its limits are
 rows of the application's profile like any other, and it has no verdict of its own: that
 belongs to `cardan.approval.approval` alone.
 """
@@ -38,15 +38,15 @@ class StudyResult(Generic[Answer]):
     study
         Its name.
     answer
-        Its own numbers, for its chapter of a report; None where it could not be asked.
+        Its own results, for its chapter of a report; None if it could not run.
     checks, unanswered
-        Demands held against limits, and limits that got no number.
+        Values compared with limits, and limits that got no number.
     doubts
-        Why there is no answer, in the words of what refused.
+        Why there is no result, in the words of what refused.
     asked
         Whether the study was run at all.
     refused
-        Whether it was, and ended without an answer: nothing it is about is approved.
+        Whether it was, and ended without a result: nothing it is about is approved.
     """
 
     study: str
@@ -77,7 +77,7 @@ class Study(Protocol[Answer]):
     def run(
         self, application: Application, tell: ProgressCallback = ignore_status
     ) -> StudyResult[Answer]:
-        """Ask."""
+        """Run the study."""
         ...
 
 
@@ -145,7 +145,7 @@ def limits_of_study(study: str, application: Application) -> tuple[Limit, ...]:
 def unevaluated_checks(
     study: str, application: Application, needs: tuple[str, ...]
 ) -> Iterator[UnevaluatedCheck]:
-    """Yield what stays unanswered where a study is not asked, for want of `needs`."""
+    """Yield what is not evaluated if a study is not run, for want of `needs`."""
     for limit in limits_of_study(study, application):
         yield UnevaluatedCheck(
             limit=limit,
