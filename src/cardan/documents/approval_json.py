@@ -2,7 +2,7 @@
 
 Keys are added, never renamed or removed. What could not be computed is null. What a
 quantity declares as its place in a state is filled in from the declaration; vectors, orders
-and approximations stand beside.
+and approximations are added.
 """
 
 from math import pi
@@ -169,7 +169,7 @@ def _undeclared_values_json(r: LineResponse, s: int) -> dict[str, Any]:
 
 
 def _operating_points_json(r: LineResponse, s: int) -> list[dict[str, Any]]:
-    """Return the operating points of a state that limits ask at, those of bearings apart."""
+    """Return the operating points of a state that limits apply at, those of bearings apart."""
     if r.operating_envelope is None:
         return []
     spots = r.operating_envelope.points.first_variant
@@ -224,7 +224,7 @@ def _mounted_bearing_json(r: LineResponse, s: int, k: int) -> dict[str, Any] | N
 
 
 def _equivalent_angles_json(e: KinematicExcitation, s: int) -> dict[str, Any]:
-    """Return the equivalent angles of drive and coast, which no limit asks about."""
+    """Return the equivalent angles of drive and overrun, which no limit applies to."""
     return {
         "torsional": {},
         "drive": {"equivalent_angle_deg": e.drive.angle[s] / deg},
@@ -233,7 +233,7 @@ def _equivalent_angles_json(e: KinematicExcitation, s: int) -> dict[str, Any]:
 
 
 def _excitation_json(e: KinematicExcitation, s: int) -> dict[str, Any]:
-    """Return torsional, drive and coast excitation of one state by an approximation."""
+    """Return torsional, drive and overrun excitation of one state by an approximation."""
 
     def joint(of: EquivalentSingleJoint) -> dict[str, Any]:
         return {

@@ -1,7 +1,7 @@
-"""The story a report tells, before any medium shapes it: chapters of tables and figures.
+"""The story of a report, before any medium shapes it: chapters of tables and figures.
 
-The page, the printed document and whatever comes after them tell the same story, in the
-same order and the same words, because this is all they have to tell it from.
+The page, the printed document and any later medium contain the same story, in the
+same order and the same words, because this is all they are made from.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -106,7 +106,7 @@ def approval_report(
 
     The line is drawn in a `state`; by default in the one that decides. Corrections of a line
     of three shafts take half a minute to find, of four minutes: without them the story says that
-    nobody looked. `short` leaves out what nobody decides by: numbers of every state, inputs,
+    none were looked for. `short` leaves out what decides nothing: numbers of every state, inputs,
     equations.
     """
     helps = check_sensitivities(of)
@@ -132,7 +132,7 @@ def approval_report_from_results(
     """Return the story of one application: first the sheet to sign, then what it rests on.
 
     The line is drawn in a `state`, by default the one that decides. A chapter for each study
-    that was asked; `more` follow them, and what was given stands at the end.
+    that was run; `more` follow them, and what was given stands at the end.
     """
     say, several = say.with_minus_sign, len(of.line_responses) > 1
     chapters = [
@@ -528,7 +528,7 @@ def _row_grades(
 
 
 def _study_chapters(of: Approval, say: Translator, *, short: bool) -> Iterator[Chapter]:
-    """Yield a chapter for each study that was asked beside the driveline."""
+    """Yield a chapter for each study that was run with the driveline."""
     for found in of.study_results:
         registered = study_registrations()[found.study]
         if not registered.chapters or not found.was_run:
@@ -541,7 +541,7 @@ def _study_chapters(of: Approval, say: Translator, *, short: bool) -> Iterator[C
 
 
 def _equation_blocks(of: Approval, say: Translator) -> Iterator[Block]:
-    """Yield the declaration of every quantity that a limit of this report asks about."""
+    """Yield the declaration of every quantity that has a limit in this report."""
     shown = {c.quantity for c in of.checks} | {u.quantity for u in of.coverage.unevaluated}
     used = [q for key, q in QUANTITIES.items() if key in shown]
     yield Table(

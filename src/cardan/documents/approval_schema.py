@@ -14,7 +14,7 @@ NUMBER_OR_NULL = ["number", "null"]
 def schema() -> dict[str, Any]:
     """Return the schema (draft 2020-12) of what `--json` writes.
 
-    A quantity's place in a state comes from its declaration, unless the file beside this
+    A quantity's place in a state comes from its declaration, unless the file next to this
     module describes it at more length; what can be moved comes from declarations too.
     """
     text = files("cardan.documents").joinpath("contract.schema.json").read_text(encoding="utf-8")

@@ -220,7 +220,7 @@ def _difference_blocks(
 
 
 def _side_view(of: Approval, say: Translator, *, state: str | None) -> Iterator[Block]:
-    """Yield the line that decides, drawn in its worst state or in a state asked for."""
+    """Yield the line that decides, drawn in its worst state or in a requested state."""
     rows = worst_check_per_limit(of.checks)
     names = [r.line.name for r in of.line_responses]
     line = next((c.line for c in rows if c.line in names), names[0] if names else None)

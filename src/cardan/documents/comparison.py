@@ -13,7 +13,7 @@ from cardan.render.i18n import Translator
 
 @dataclass(frozen=True, kw_only=True)
 class Variant:
-    """One application among several, and how it is called beside the others."""
+    """One application among several, and its name among the others."""
 
     name: str
     approval: Approval

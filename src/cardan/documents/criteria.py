@@ -96,7 +96,7 @@ def by_line(criteria: Sequence[Criterion]) -> tuple[Criterion, ...]:
 def limit_qualifiers(
     of: Iterable[Check | UnevaluatedCheck], application: Application
 ) -> Mapping[CriterionKey, str]:
-    """Return what tells limits of one quantity apart, in English; none where it has one limit."""
+    """Return what distinguishes limits of one quantity, in English; none where it has one limit."""
     held = set(limits_to_evaluate(application))
     found: dict[tuple[str, str], dict[Limit, None]] = {}
     for c in of:

@@ -208,7 +208,7 @@ def _state_lines(criterion: Criterion, say: Translator) -> Iterator[str]:
 
 
 def _limit_lines(c: Check | UnevaluatedCheck, say: Translator) -> Iterator[str]:
-    """Yield the bounds of a limit, who sets them and how that was read."""
+    """Yield the bounds of a limit, their source and how that was read."""
     q, limit = QUANTITIES[c.quantity], c.limit
     sense = "max {bound}" if limit.sense == "<=" else "min {bound}"
     bounds: list[str] = []

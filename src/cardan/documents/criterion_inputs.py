@@ -84,7 +84,7 @@ def input_rows(c: Check, r: LineResponse, say: Translator) -> Iterator[Row]:
         if not QUANTITIES[c.quantity].uses_engine_torque:  # then the sizing torque below counts
             yield f"{say.name('torque')} (T)", f"{say.number(c.point.torque)} N·m"
         yield f"{say.name('speed')} (n)", f"{say.number(c.point.speed / rpm)} rpm"
-    elsewhere = c.point is not None and at.response is r  # a point that only rubber was asked at
+    elsewhere = c.point is not None and at.response is r  # a point that only rubber needed
     for quantity in () if elsewhere else QUANTITIES_PUT_IN.get(c.quantity, ()):
         if c.point is None or quantity not in ("torque", "speed"):
             yield from _quantity_rows(at, quantity, say)
@@ -277,4 +277,4 @@ _ROWS_BY_QUANTITY: dict[str, tuple[Callable[[_Place, Translator], Iterator[Row]]
     ),
     "joint_life": (_life_rows,),
 }  # fmt: skip
-"""What an equation uses beside quantities: sections, ratings, rubber."""
+"""What an equation uses in addition to quantities: sections, ratings, rubber."""

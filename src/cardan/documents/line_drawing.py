@@ -70,7 +70,7 @@ def state_to_draw(
 ) -> tuple[int, Check | None]:
     """Return the number of the state to draw: one of a name, else where the worst check is.
 
-    And that check, if it was asked at an operating point. Without a check in a state it is the
+    And that check, if it was evaluated at an operating point. Without a check in a state it is the
     state which shakes most.
     """
     states = response.demand.states
@@ -99,7 +99,7 @@ def side_view_in_state(
     """Return the side view of a line in one state, tubes and obstacles true to scale.
 
     Wound up as at the operating point of a check there. The room an obstacle leaves in that
-    state stands beside it.
+    state stands next to it.
     """
     if at and at.point:
         response = line_at_operating_point(response, at.point)
@@ -154,7 +154,7 @@ def _obstacle_at_travel(o: Obstacle, rise: float) -> Obstacle:
 
 
 def has_known_geometry(response: LineResponse) -> bool:
-    """Return whether somebody knows where the line runs, and not its slopes alone."""
+    """Return whether it is known where the line runs, and not its slopes alone."""
     return response.line.has_lengths
 
 
@@ -284,7 +284,7 @@ def _ends(layout: Layout) -> FloatArray:
 
 
 def _states(response: LineResponse, page: _ViewScale, c: int, say: Translator) -> Iterator[str]:
-    """Yield every state as a light line, and names with leaders beside their pinions."""
+    """Yield every state as a light line, and names with leaders next to their pinions."""
     lines = _ends(response.layout)
     names = [say.state(s) for s in response.demand.states]
     ends: dict[tuple[float, float], list[str]] = {}
@@ -439,7 +439,7 @@ def _obstacle(
 
 
 def _bar(o: Obstacle, page: _ViewScale, c: int, said: str) -> str:
-    """Return an obstacle with words beside its name."""
+    """Return an obstacle with words next to its name."""
     (x1, y1), (x2, y2) = ((p[0], p[c]) for p in (o.start, o.end))
     bar = svg.path(
         [page.x(x1), page.x(x2) + 0.01],
@@ -449,7 +449,7 @@ def _bar(o: Obstacle, page: _ViewScale, c: int, said: str) -> str:
         stroke_linecap="round",
         stroke_opacity=0.55,
     )
-    # Beside it, and inside the page where it reaches beyond.
+    # Next to it, and inside the page where it reaches beyond.
     x = page.x(max(x1, x2) + o.radius) + 6
     y = float(np.clip(page.y((y1 + y2) / 2), MARGIN_TOP_PX, page.height - MARGIN_BOTTOM_PX))
     return (
@@ -472,7 +472,7 @@ def _scale_bar(page: _ViewScale, say: Translator) -> Iterator[str]:
 
 
 def yoke_phasing_drawing(response: LineResponse, say: Translator) -> Figure:
-    """Return how the yokes of each shaft stand to each other, for the one who fits them."""
+    """Return how the yokes of each shaft stand to each other, for assembly."""
     shafts = response.line.shafts
     each = 300.0
     drawn: list[str] = []
@@ -686,7 +686,7 @@ def phasor_drawing(response: LineResponse, say: Translator) -> Figure:
             chart.add_elements(
                 svg.path(x, y, stroke=VERDICT_COLOURS[grade], stroke_dasharray="5 3")
             )
-    # Joints in one plane add up along one line: drawn beside each other they can be told apart.
+    # Joints in one plane add up along one line: drawn next to each other they can be distinguished.
     apart = 7.0 if float(np.ptp(ends.imag)) < 0.02 * float(np.ptp(ends.real)) else 0.0
     for k, (a, b) in enumerate(pairwise(ends)):
         (x1, y1), (x2, y2) = (

@@ -261,7 +261,7 @@ def bearing_over_speed_plots(r: LineResponse, say: Translator, *, bearing: int) 
     """
     worst = r.mount_loads.worst_bearing_forces["dynamic"]
     found, part = worst.curves, Part("centre bearing", bearing + 1)
-    assert r.mounts.mounted_line is not None  # the caller asks
+    assert r.mounts.mounted_line is not None  # checked by the caller
     s = int(np.nan_to_num(worst.results.dynamic[:, bearing]).argmax())
     drawn = found.curves_to_draw(s)
     if not drawn:
@@ -327,7 +327,7 @@ def bearing_over_speed_plots(r: LineResponse, say: Translator, *, bearing: int) 
 def torque_by_gear_plot(r: LineResponse, say: Translator) -> Figure:
     """Return the line's torque over its speed in every gear, against what the tyres hold."""
     gears = r.demand.gears
-    assert gears is not None  # the caller asks
+    assert gears is not None  # checked by the caller
     series = [
         DataSeries(
             name=say("gear {gear}", gear=name),
@@ -430,7 +430,7 @@ def critical_speed_plot(r: LineResponse, say: Translator) -> Figure:
 def suspension_spring_curve_plot(r: LineResponse, say: Translator) -> Figure:
     """Return the spring's table as a curve, with the states on it."""
     suspension = r.application.suspension
-    assert suspension is not None  # the caller asks
+    assert suspension is not None  # checked by the caller
     spring = suspension.spring
     deflection, load = np.array(spring.deflection) / mm, np.array(spring.load) / kN
     # States that rest on the spring say where the others are: travel is counted from one of them.

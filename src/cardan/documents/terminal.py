@@ -1,6 +1,6 @@
 """What a terminal shows: the first screen, each check, single corrections, numbers by state.
 
-Text is marked with colours; whoever prints it takes them out where there is no terminal.
+Text is marked with colours; the printer takes them out where there is no terminal.
 """
 
 from collections import Counter
@@ -70,7 +70,7 @@ def approval_lines(
     say: Translator = ENGLISH,
     width: int = DEFAULT_WIDTH_COLUMNS,
 ) -> Iterator[str]:
-    """Yield the first screen of an approval, and below it the blocks that options ask for.
+    """Yield the first screen of an approval, and below it the blocks that options request.
 
     `states` adds the numbers of every state, `moves` all single corrections, `sources` limits
     and data with their sources and all notes, `phasings` the yokes in every way. With `every`
@@ -226,7 +226,7 @@ def quantity_explanation_lines(q: Quantity, say: Translator = ENGLISH) -> Iterat
 
 
 def _limits_on(q: Quantity, say: Translator) -> Iterator[str]:
-    """Yield what the default profile asks of a quantity, who says so and how that was read."""
+    """Yield what the default profile requires of a quantity, its source and how that was read."""
     from cardan.application.limit_profiles import DEFAULT_PROFILE_NAME, load_profile
 
     for limit in load_profile(DEFAULT_PROFILE_NAME)[1]:
@@ -257,7 +257,7 @@ def _yoke_phasing_lines(
 
 
 def _line_state_lines(r: LineResponse, say: Translator, width: int) -> Iterator[str]:
-    """Yield the numbers of one line, rows over states, as many states beside each other as fit."""
+    """Yield the numbers of one line, rows over states, as many states next to each other as fit."""
     yield ""
     yield bold(driveline_title(r, say))
     for section in state_table_sections(r):
@@ -288,7 +288,7 @@ def _line_state_lines(r: LineResponse, say: Translator, width: int) -> Iterator[
 
 
 def _hanging_row(label: str, numbers: str, room: int) -> Iterator[str]:
-    """Yield a row of numbers; of a long name the last line stands beside them."""
+    """Yield a row of numbers; of a long name the last line stands next to them."""
     indent = len(label) - len(label.lstrip())
     first, *others = wrap_text(label.strip(), room - 3 - indent)
     *above, last = [" " * indent + first, *(" " * (indent + 2) + line for line in others)]

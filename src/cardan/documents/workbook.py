@@ -1,7 +1,7 @@
 """The parametric workbook: AE-7, torque, bearing loads, critical speed and life as formulas.
 
-For whoever has no Python: an angle, a length, a torque or a speed changed in the sheet of
-inputs or of states changes every result. What needs the exact chain stands beside it as
+For users without Python: an angle, a length, a torque or a speed changed in the sheet of
+inputs or of states changes every result. What needs the exact chain stands next to it as
 values, marked so. Columns of states are the same in every sheet, so a formula reads down
 its own column.
 """
@@ -91,7 +91,7 @@ def _cell_name_prefixes(of: Approval) -> list[str]:
 
 
 def _without_placeholders(data: bytes) -> bytes:
-    """Return a workbook without what stands for results that nobody has computed yet.
+    """Return a workbook without what stands for results that are not computed yet.
 
     A spreadsheet may believe the results in a file; one that is missing it computes.
     """
@@ -119,7 +119,7 @@ def _without_placeholders(data: bytes) -> bytes:
 def _write_study_sheet(
     book: WorkbookWriter, of: StudyResult[Any], say: Translator, *, several: bool
 ) -> LimitSheet:
-    """Write the limits of a study beside the driveline's: all as computed."""
+    """Write the limits of a study after the driveline's: all as computed."""
     title = say(study_registrations()[of.study].title)
     sheet = book.add_sheet(title)
     sheet.sheet.set_column(0, 0, 60)

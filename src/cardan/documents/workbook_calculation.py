@@ -136,7 +136,7 @@ class CalculationSheet(LineSheet):
         note: Any = "",
         approximation: str = "",
     ) -> str:
-        """Write a row that results and limits ask about; `values` are cardan's own, SI."""
+        """Write a row that results and limits use; `values` are cardan's own, SI."""
         q, say = QUANTITIES[quantity], self.say
         shown = np.asarray(values, dtype=float) / q.si_factor
         reference = self._row(
@@ -316,7 +316,7 @@ class CalculationSheet(LineSheet):
         self.largest = self._row(
             self.say("largest angle of a cross"), "deg", f"MAX({','.join(crosses or ['0'])})"
         )
-        # The same angles, as other limits ask about them.
+        # The same angles, as other limits use them.
         compound = np.hypot(r.kinematics.side_angles, r.kinematics.top_angles)
         turned = r.demand.speed[:, None] * r.joint_angles
         for k, (beta, v, h) in enumerate(zip(self.beta, self.bv, self.bh, strict=True)):
@@ -367,7 +367,7 @@ class CalculationSheet(LineSheet):
                 pair = of.to_spreadsheet_pair(s=self.signs[k], P=made[-1], **bend)
                 made.append(self._complex(f"{name}{k + 1}", "rad²", pair, note=note))
         self._moduli(found[-1], flat[-1], ae7, plane)
-        # Over the shafts: P in drive, P less the pinion's in coast.
+        # Over the shafts: P in drive, P less the pinion's in overrun.
         names = [f"P{k}" for k in range(1, self.n + 1)]
         *shafts, pinion = complex_symbols(*names)
         inertia = symbols(*(f"J{k}" for k in range(1, self.n)))

@@ -1,7 +1,7 @@
-"""A workbook's limits: each a row of values beside its bounds, with the verdict it comes to.
+"""A workbook's limits: each a row of values next to its bounds, with the verdict it comes to.
 
 A row is graded by formulas against bounds that may be changed. What `cardan` computed stands
-beside in every row and is what counts while no input of the workbook is changed, so nothing
+next to it in every row and is what counts while no input of the workbook is changed, so nothing
 here can disagree with `cardan check`. Once an input is changed it is stale: then the rows
 that formulas follow count by those, the others say that they are stale, and with them the
 verdict of the workbook, unless a live row fails already. So does a live row in a state whose
@@ -45,7 +45,7 @@ class LiveFormulas:
 
     `cells` are what the row shows and `values` what they give for the inputs as written, in
     the unit shown; § stands for a column's letter in `angle`, the largest joint angle in
-    deg, and in `idle`, which are 0 where nothing is asked. `method` names an approximation:
+    deg, and in `idle`, which are 0 where no limit applies. `method` names an approximation:
     where it is "" the formulas are as exact as `cardan`. A cell holds the word for stale where
     its state is no longer what the formula stands on.
     """
@@ -62,7 +62,7 @@ class LiveFormulas:
 class LimitRow:
     """One limit and the values of one part that it is held against, SI; nan where none is.
 
-    `may` tells which columns it may ask about, `missing` where it asks and got no number,
+    `may` is which columns it may apply to, `missing` where it applies and got no number,
     for want of `needs`.
     """
 
@@ -88,7 +88,7 @@ class LimitRow:
 
     @property
     def verdict(self) -> Verdict | None:
-        """What it comes to; None where nothing was asked, or only what is not required."""
+        """What it comes to; None if nothing applies, or only what is not required."""
         found: list[Verdict] = [self.limit.grade(v) for v in self.values[~np.isnan(self.values)]]
         if self.is_lower_bound.any():
             found.append("warn")
@@ -294,13 +294,13 @@ class LimitSheet:
         )
 
     def _asked(self, of: LimitRow, live: LiveFormulas) -> Iterable[str]:
-        """Yield what tells, column by column, whether a live row's limit asks."""
+        """Yield, column by column, whether a live row's limit applies."""
         if not of.may_apply.all():
             yield "{" + ",".join(str(int(m)) for m in of.may_apply) + "}"
         if of.limit.above_angle is not None:
             yield f"({self._across(live.largest_angle_cell)}>{of.limit.above_angle / deg:.12g})"
         for reference in live.zero_if_idle_cells:
-            # Where all is idle every column asks, and nothing answers.
+            # Where all is idle the limit applies to every column, and nothing is known.
             yield f"({self._across(reference)}<>0)"
 
     def _across(self, reference: str) -> str:
@@ -340,7 +340,7 @@ class LimitSheet:
 
     @staticmethod
     def _ever(asked: tuple[str, ...]) -> str:
-        """Return whether a live row asks nowhere because all stands idle; 0 if it cannot tell."""
+        """Return whether a live row applies nowhere because all stands idle; 0 if unknown."""
         idle = [a for a in asked if a.endswith("<>0)")]
         return f"SUMPRODUCT({'*'.join((*idle, '1'))})=0" if idle else "0"
 
@@ -407,7 +407,7 @@ class LimitSheet:
         return f"IF({CHANGED_INPUT_COUNT_CELL_NAME}>0,{shown},{computed})"
 
     def _asked_if_changed(self, of: LimitRow, k: int) -> Iterable[str]:
-        """Yield what tells whether a live row asks in a column once inputs are changed."""
+        """Yield whether a live row applies in a column once inputs are changed."""
         live, letter = of.live_formulas, column_letters(FIRST_STATE_COLUMN + k)
         if live is None:
             return
@@ -444,7 +444,7 @@ class LimitSheet:
         )
 
     def _coloured(self, row: int, first: int, of: LimitRow, factor: float, when: str) -> None:
-        """Colour cells that hold a row's values, where its limit asks."""
+        """Colour cells that hold a row's values, where its limit applies."""
         here, letter = f"{column_letters(first)}{row}", column_letters(self.beside)
         if of.live_formulas and of.limit.above_angle is not None:
             cell = of.live_formulas.largest_angle_cell.replace(

@@ -133,7 +133,7 @@ class ResultsSheet(LineSheet):
         )  # fmt: skip
 
     def _held(self, question: EvaluatedLimit, k: int, one: ResultRow | None) -> LimitRow:
-        """Return the row of one part that a limit asks about."""
+        """Return the row of one part that a limit applies to."""
         limit, part = question.limit, question.parts[k]
         values = (question.values if one is None else question.own_point_values)[:, k]
         missing = question.asks[:, k] & np.isnan(values)
@@ -157,7 +157,7 @@ class ResultsSheet(LineSheet):
         )
 
     def _live(self, one: ResultRow) -> LiveFormulas:
-        """Return the formulas of a row of the calculation, as limits ask about it."""
+        """Return the formulas of a row of the calculation, as limits use it."""
         here = f"'{self.calculation.sheet.name}'!"
         still = self.r.inputs.gravity == 0 and self.r.rigid_loads.unbalance_forces is None
         idle = {
@@ -189,4 +189,4 @@ _ONLY_FOR_LIMITS = (
     "angle_for_speed",
     "half_critical_band",
 )
-"""Quantities that say the same as another; shown where a limit asks about them."""
+"""Quantities that say the same as another; shown where a limit applies to them."""

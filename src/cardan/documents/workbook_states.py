@@ -68,7 +68,7 @@ class StatesSheet(LineSheet):
     def _torque_given(self, state: int) -> CellValue:
         """Return what a state says of the torque at the gearbox output.
 
-        In brake wind-up the line carries the coast torque, which is an input here: brake and
+        In brake wind-up the line carries the overrun torque, which is an input here: brake and
         tyres would have to be weighed against each other for it.
         """
         given, d = self.r.application.states[state], self.r.demand

@@ -163,7 +163,7 @@ def _insert_drawing(sheet: SheetWriter, r: LineResponse, s: int, at: Check | Non
 
 
 def _insert_charts(sheet: SheetWriter, r: LineResponse, *, several: bool) -> None:
-    """Write what charts are of, as computed, and the charts beside each other."""
+    """Write what charts are of, as computed, and the charts next to each other."""
     say, book = sheet.book.say, sheet.book
     states = [say.state(s) for s in r.demand.states]
     charts = []
