@@ -110,7 +110,7 @@ class ReportDocument:
     is_sheet: bool = False
     """Whether the first chapter is a sheet to sign, with a page for itself."""
     summary: str = ""
-    """What stands beside the verdict, in a line."""
+    """Line of text next to the verdict."""
     date: str = ""
     version: str = field(default=__version__)
 

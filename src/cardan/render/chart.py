@@ -1,4 +1,4 @@
-"""Charts as own SVG: axes with units, series told apart without colour, limits as bands.
+"""Charts as own SVG: axes with units, series distinguished without colour, limits as bands.
 
 A report is made in a second and holds twenty of them; a plotting library needs longer to
 start than all of them take to write.
@@ -94,7 +94,7 @@ def power_of_ten_text(exponent: int) -> str:
 def axis_range(
     *values: FloatArray | float, zero: bool = False, room: float = 0.06
 ) -> tuple[float, float]:
-    """Return the range of values with some room around it, from zero where asked."""
+    """Return the range of values with some room around it, from zero if requested."""
     every = np.concatenate([np.ravel(v).astype(float) for v in values])
     every = every[np.isfinite(every)]
     low, high = (float(every.min()), float(every.max())) if every.size else (0.0, 1.0)
@@ -242,7 +242,7 @@ class Chart:
             )
 
     def _label(self, said: str, x: float, y: float, colour: str) -> None:
-        """Name a point beside it, where no name stands yet."""
+        """Name a point next to it, where no name stands yet."""
         wide, high = 5.6 * len(said), 12.0
         spots = [
             (x + way - (wide if way < 0 else 0), y + drop)

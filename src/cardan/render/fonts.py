@@ -2,7 +2,7 @@
 
 The typesetter's own fonts are all a document has, so that it is the same everywhere. What
 they lack, Chinese or an emoji in a comment, is shown as an empty square and owned up to;
-a title of a thousand words is cut where everybody sees it.
+a title of a thousand words is cut visibly.
 """
 
 import re
@@ -15,7 +15,7 @@ MISSING_GLYPH = "□"
 
 
 def _characters_in_blocks(blocks: str) -> frozenset[str]:
-    """Return the letters of blocks, without marks that need a letter and what nobody sees."""
+    """Return the letters of blocks, without marks that need a letter and invisible characters."""
     ends = (block.split("-") for block in blocks.split())
     codes = (code for ends in ends for code in range(int(ends[0], 16), int(ends[-1], 16) + 1))
     return frozenset(
@@ -44,7 +44,7 @@ MAX_UNBROKEN_CHARACTERS = 40
 """Longer runs of letters may be broken anywhere."""
 
 ZERO_WIDTH_SPACE = "\u200b"
-"""Where a word may be broken; nobody sees it."""
+"""Where a word may be broken; it is invisible."""
 
 
 def truncate(text: str, most: int) -> str:

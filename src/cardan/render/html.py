@@ -12,7 +12,7 @@ from cardan.render.fonts import truncate
 from cardan.render.i18n import Translator
 
 VERDICT_SYMBOLS = {"pass": "✓", "warn": "△", "incomplete": "…", "fail": "✗"}
-"""Signs of the verdicts, for whoever does not see their colours."""
+"""Signs of the verdicts, for readers who do not see their colours."""
 
 MAX_TITLE_CHARACTERS = 200
 """Characters of a title that have room over a page."""

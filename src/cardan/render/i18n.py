@@ -26,7 +26,7 @@ LANGUAGE_CODES = ("en", *sorted(p.stem for p in _CATALOGUE_FOLDER.glob("*.po")))
 """The languages by code: English, and one for each catalogue."""
 
 UNTRANSLATED_MESSAGES_SEEN: set[tuple[str, str]] = set()
-"""What was asked of a catalogue that lacks it, and was said in English: code and text."""
+"""Texts missing in a catalogue, and shown in English: code and text."""
 
 _SUSPENSION_STATES = frozenset(get_args(SuspensionState))
 
@@ -278,7 +278,7 @@ class Translator:
                 return f"{self(kind)} {part.number}"
 
     def occasion(self, when: EvaluationCondition) -> str:
-        """Return when a number was asked for; a state that the user named keeps its name."""
+        """Return where a number applies; a state that the user named keeps its name."""
         match when.kind:
             case "gear":
                 gear = self("gear {gear}", gear=when.name)

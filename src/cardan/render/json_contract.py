@@ -97,7 +97,7 @@ def operating_point_json(of: OperatingPoint) -> dict[str, Any]:
 
 
 def coverage_json(of: CheckCoverage) -> dict[str, Any]:
-    """Return what was asked, and what got no answer, with what it needs."""
+    """Return what was evaluated, and what was not, with the missing input."""
     return {
         "asked": of.total,
         "answered": of.evaluated,
@@ -106,7 +106,7 @@ def coverage_json(of: CheckCoverage) -> dict[str, Any]:
 
 
 def unevaluated_json(of: UnevaluatedCheck) -> dict[str, Any]:
-    """Return one limit that asked and got no number."""
+    """Return one limit that applies and got no number."""
     return {
         "quantity": of.quantity,
         "line": of.line,

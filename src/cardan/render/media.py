@@ -1,4 +1,4 @@
-"""The media of reports: one list, from which commands, interface and workbench take theirs."""
+"""The media of reports: one list, from which commands, interface and workbench take their media."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING

@@ -27,7 +27,7 @@ FONT_NAME = "Libertinus Serif"
 """The typesetter brings it along; drawings are set in it too."""
 
 PDF_STANDARD = "a-3a"
-"""PDF/A-3, level A: to be kept, and tagged for whoever has it read to them."""
+"""PDF/A-3, level A: to be kept, and tagged for screen readers."""
 
 (
     MAX_TITLE_CHARACTERS,

@@ -49,7 +49,7 @@ class CurvesOverSpeed(Protocol):
 
 
 def approval_counts_text(of: "Approval", say: Translator) -> str:
-    """Return how many checks have each grade, the worst first, and what has no answer."""
+    """Return how many checks have each grade, the worst first, and how many are not evaluated."""
     return check_counts_text(of.checks, say, of.coverage.unevaluated)
 
 
@@ -66,7 +66,7 @@ def check_grade_count_texts(checks: Iterable[Check], say: Translator) -> dict[Ch
 def check_counts_text(
     checks: Iterable[Check], say: Translator, missed: Sequence[UnevaluatedCheck] = ()
 ) -> str:
-    """Return how many checks have each grade, the worst first, and what has no answer."""
+    """Return how many checks have each grade, the worst first, and how many are not evaluated."""
     said = list(check_grade_count_texts(checks, say).values())
     if missed:
         said.append(say.count("{count} not evaluated", "{count} not evaluated", len(missed)))
@@ -101,7 +101,7 @@ def limit_grouping_key(c: Check | UnevaluatedCheck) -> tuple[str, str, Limit]:
 
 
 def _nominal_severity(c: Check) -> tuple[int, float]:
-    """Return what checks are sorted by where nobody asks what their error may make of them."""
+    """Return what checks are sorted by if the effect of their error is not needed."""
     grade, _, margin = worst_first_key(c)
     return grade, margin
 
@@ -148,7 +148,7 @@ def assumed_range_phrase(of: AssumedRange, say: Translator) -> str:
 def check_location(c: Check | UnevaluatedCheck, say: Translator, *, several: bool = False) -> str:
     """Return where a check is: state, torque, mode, part and, with several lines, which line."""
     told = [check_state_phrase(c, say)]
-    # The engine's torque, where that is asked, is not what the tyres leave of it.
+    # The engine's torque, where that applies, is not what the tyres leave of it.
     slips = declared_quantity(c.quantity).uses_engine_torque
     if isinstance(c, Check) and c.point and not (slips and c.point.direction == "drive"):
         told.append(f"{say.compact_number(c.point.torque, 4)} N·m")
@@ -182,7 +182,7 @@ def check_location(c: Check | UnevaluatedCheck, say: Translator, *, several: boo
 
 
 def check_state_phrase(c: Check | UnevaluatedCheck, say: Translator) -> str:
-    """Return when a check was asked: the state, and where in it a worst point was found."""
+    """Return where a check was evaluated: the state, and where in it a worst point was found."""
     at = c.point if isinstance(c, Check) else None
     if at is None:
         return say.occasion(c.when)
@@ -220,7 +220,7 @@ def limit_sense_symbol(c: Check, say: Translator) -> str:
 
 
 def value_and_bound(c: Check, say: Translator) -> tuple[str, str]:
-    """Return value and bound of a check, in as many figures as tell apart what is not equal.
+    """Return value and bound of a check, in as many figures as distinguish unequal values.
 
     The value after ≥ where it is a lower bound, ≤ of what is the safer the larger.
     """
@@ -347,9 +347,9 @@ def adjustment_range_phrase(a: PermittedAdjustment, say: Translator) -> str:
 def unevaluated_limit_lines(
     of: "Approval", say: Translator, *, required: bool = False
 ) -> list[str]:
-    """Return what limits got no answer, with what each needs; the `required` first, or alone.
+    """Return limits not evaluated, with the missing input of each; the `required` first, or alone.
 
-    Studies that nobody asked are told by `notes`.
+    Studies that were not requested are reported by `notes`.
     """
     missed = [u for f in of.study_results if f.was_run for u in f.unevaluated]
     missed = [u for u in missed if u.limit.required] if required else missed
@@ -359,7 +359,7 @@ def unevaluated_limit_lines(
 def grouped_unevaluated_lines(
     missed: Iterable[UnevaluatedCheck], say: Translator, *, several: bool = False
 ) -> list[str]:
-    """Return limits that got no answer, with what each needs; the required ones first."""
+    """Return limits not evaluated, with the missing input of each; the required ones first."""
     found: dict[tuple[bool, str, tuple[str, ...]], list[UnevaluatedCheck]] = {}
     for u in sorted(missed, key=lambda u: not u.limit.required):
         found.setdefault((u.limit.required, u.quantity, u.missing_inputs), []).append(u)
@@ -395,7 +395,7 @@ def doubtful_value_count_text(of: "Approval", say: Translator) -> str:
 
 
 def failure_sentences(found: StudyResult[Any], say: Translator) -> list[str]:
-    """Return why a study has no answer."""
+    """Return why a study has no result."""
     return [
         say("{study} could not be evaluated: {why}.", study=say(found.study), why=why.rstrip("."))
         for why in found.failure_reasons
@@ -403,7 +403,7 @@ def failure_sentences(found: StudyResult[Any], say: Translator) -> list[str]:
 
 
 def note_sentences(of: "Approval", say: Translator) -> list[str]:
-    """Return what a reader should know: studies not asked, what contradicts itself."""
+    """Return what a reader should know: studies not run, what contradicts itself."""
     found: list[str] = []
     if lacking := not_given_sentence(of, say):
         found.append(f"{lacking}.")
@@ -458,7 +458,7 @@ def citation(source: Source, say: Translator) -> str:
 
 
 def source_digitisation_phrase(source: Source, say: Translator) -> str:
-    """Return how the values of a source were read, those that differ behind; empty if nobody said.
+    """Return how the values of a source were read, those that differ behind; empty if not given.
 
     Values are called what files call them.
     """
@@ -474,7 +474,7 @@ def source_digitisation_phrase(source: Source, say: Translator) -> str:
 def document_stamp_facts(
     issue: ReportDateAndSourceStamp, say: Translator
 ) -> Iterator[tuple[str, str]]:
-    """Yield what tells this report from another."""
+    """Yield what distinguishes this report from another."""
     for file, print_ in zip(issue.file_names, issue.fingerprints, strict=True):
         yield say("File"), f"{file} (SHA-256 {print_})"
     if issue.date:

@@ -20,7 +20,7 @@ from cardan.core.lazy_dataclass import dataclass
 from cardan.render.i18n import Translator
 
 LIMIT_QUANTITIES_BY_ROW = {"joint_angle": ("joint_angle", "joint_angle_min", "odd_joint_angle")}
-"""Rows that limits on other quantities ask about too."""
+"""Rows that limits on other quantities use too."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,7 +43,7 @@ class StateTableRow:
 
     @property
     def limit_quantities(self) -> tuple[str, ...]:
-        """The quantities whose limits ask about this row."""
+        """The quantities whose limits use this row."""
         return LIMIT_QUANTITIES_BY_ROW.get(self.quantity, (self.quantity,))
 
     def label(self, say: Translator) -> str:

@@ -27,7 +27,7 @@ VERDICT_COLOURS = {"pass": "#1a7f37", "warn": "#9a6700", "fail": "#b42318"}
 
 @dataclass(frozen=True, kw_only=True)
 class Figure:
-    """A drawing with what a reader needs who cannot see it."""
+    """A drawing with its text alternative for screen readers."""
 
     title: str
     svg: str

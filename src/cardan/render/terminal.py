@@ -65,7 +65,7 @@ def verdict_lines(
     every: bool = False,
     width: int = DEFAULT_WIDTH_COLUMNS,
 ) -> Iterator[str]:
-    """Yield the verdict, each limit where it is worst, what has no answer, and notes."""
+    """Yield the verdict, each limit where it is worst, what is not evaluated, and notes."""
     yield from fold_lines(summary_lines(of, say), width)
     yield from fold_lines(profile_and_margin_lines(of, say), width)
     yield from check_lines(of, say, every=every, width=width)
@@ -101,7 +101,7 @@ def profile_and_margin_lines(of: "Approval", say: Translator) -> Iterator[str]:
 def report_table_lines(of: "Table", width: int | None = None) -> Iterator[str]:
     """Yield a table of a story, columns as wide as they need to be, heads in several lines.
 
-    On a screen of a width, columns that have no room stand below, beside the first again.
+    On a screen of a width, columns that have no room stand below, next to the first again.
     """
     cells = [max([0, *(len(row[k]) for row in of.rows)]) for k in range(len(of.head))]
     wide = [max(c, *map(len, h.split() or [""])) for c, h in zip(cells, of.head, strict=True)]
@@ -121,7 +121,7 @@ def report_table_lines(of: "Table", width: int | None = None) -> Iterator[str]:
 
 
 def _column_groups(wide: Sequence[int], lead: int, width: int | None) -> Iterator[list[int]]:
-    """Yield places of columns that fit beside the first ones."""
+    """Yield places of columns that fit next to the first ones."""
     rest = list(range(lead, len(wide)))
     while rest or lead == len(wide):
         some, room = list(range(lead)), (width or sys.maxsize) - sum(2 + w for w in wide[:lead])
@@ -136,7 +136,7 @@ def _column_groups(wide: Sequence[int], lead: int, width: int | None) -> Iterato
 def unevaluated_lines(
     found: Sequence[str], coverage: CheckCoverage, say: Translator
 ) -> Iterator[str]:
-    """Yield the limits that got no answer, and what would have to be given for one."""
+    """Yield the limits not evaluated, and the missing input."""
     if found:
         yield ""
         yield bold(
@@ -170,7 +170,7 @@ def check_table_lines(
 ) -> Iterator[str]:
     """Yield a table of checks as they come, and the sources of their limits.
 
-    Where a check is worst stands beside its name if the screen is wide, else below it.
+    Where a check is worst stands next to its name if the screen is wide, else below it.
     """
     if not rows:
         return
@@ -226,7 +226,7 @@ def _aligned_lines(rows: Sequence[tuple[str, ...]], *, right: Sequence[int]) -> 
 
 
 def _side_by_side(first: str, second: str, split: int, room: int) -> list[str]:
-    """Return lines of two texts beside each other."""
+    """Return lines of two texts next to each other."""
     left, right = wrap_text(first, split), wrap_text(second, room - split - 2)
     return [f"{a:<{split + 2}}{b}".rstrip() for a, b in zip_longest(left, right, fillvalue="")]
 

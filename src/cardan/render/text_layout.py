@@ -1,6 +1,6 @@
 """Text laid out for a width: what is too long goes on in the next line, and is never cut.
 
-Colours take no room. Who prints says how wide the screen is; where nobody does it is
+Colours take no room. The caller gives the width of the screen; without one it is
 `DEFAULT_WIDTH_COLUMNS`.
 """
 
@@ -10,7 +10,7 @@ from itertools import zip_longest
 from textwrap import wrap
 
 DEFAULT_WIDTH_COLUMNS = 80
-"""Columns of a screen that nobody told the width of."""
+"""Columns of a screen of unknown width."""
 
 NO_BREAK_SPACE = "\u00a0"
 """A space at which no line ends."""
@@ -23,7 +23,7 @@ _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
 
 
 def without_colours(lines: Iterable[str]) -> str:
-    """Return lines as one text without colours, for where nobody prints to a terminal."""
+    """Return lines as one text without colours, for output other than a terminal."""
     return _COLOUR_CODE.sub("", "\n".join(lines))
 
 
@@ -63,7 +63,7 @@ def _with_no_break_spaces(text: str) -> str:
 
 
 def text_with_right_column(left: str, right: str, room: int) -> Iterator[str]:
-    """Yield lines of a text in a room, with another one beside the first of them."""
+    """Yield lines of a text in a width, with another one next to the first of them."""
     first, *others = wrap_text(left, room - 1)
     yield f"{first:<{room}}{right}"
     yield from others

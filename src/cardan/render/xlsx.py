@@ -1,6 +1,6 @@
 """A workbook being written: its formats, its sheets, the names of its cells.
 
-It remembers every input as it was written, so that the workbook itself can tell whether what
+It remembers every input as it was written, so that the workbook itself can show whether what
 `cardan` computed from them still holds.
 """
 
@@ -27,7 +27,7 @@ CellValidation: TypeAlias = dict[str, Any]
 """What a cell may hold, as XlsxWriter takes it."""
 
 NOT_COMPUTED_PLACEHOLDER = -1e-300
-"""Stands for a result that nobody has computed yet, until the file is written."""
+"""Stands for a result that is not computed yet, until the file is written."""
 
 CHANGED_INPUT_COUNT_CELL_NAME = "changed_inputs"
 """Name of the cell that counts the inputs that are not what they were written as."""
@@ -45,7 +45,7 @@ SHORT_NUMBER_FORMAT = f'[>={INFINITY_CELL_VALUE:.0e}]"∞";[>=100]0.0;0.000'
 """How a number that may be infinite is shown where it stands among texts."""
 
 UNKNOWN_NUMBER_CELL_TEXT = "?"
-"""In place of a number that nobody knows and nothing may stand for."""
+"""In place of an unknown number that nothing may replace."""
 
 ALLOW_POSITIVE: CellValidation = {"validate": "decimal", "criteria": ">", "value": 0}
 ALLOW_NON_NEGATIVE: CellValidation = {"validate": "decimal", "criteria": ">=", "value": 0}
@@ -156,7 +156,7 @@ class WorkbookWriter:
         return free
 
     def define_cell_name(self, name: str, place: str) -> None:
-        """Give cells a name, unless others have it: a second limit asks in a second row."""
+        """Give cells a name, unless others have it: a second limit has a second row."""
         if name.casefold() not in self.names:
             self.names.add(name.casefold())
             self.file.define_name(name, f"={place}")
@@ -168,7 +168,7 @@ class WorkbookWriter:
         self.bounds.append(_OriginalInput(label, cell_range, cells))
 
     def write_original_inputs(self) -> None:
-        """Write every input as it was once more, beside how many of its cells are no longer so.
+        """Write every input as it was once more, next to how many of its cells have changed.
 
         Cells are compared one by one, so no change can hide behind another. A formula that
         stands in an input stands here too: its own inputs are compared by themselves.
