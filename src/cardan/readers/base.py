@@ -70,7 +70,7 @@ class RecordingFileColumns:
 
 
 def as_one_file(tables: Iterable[RecordingFileColumns]) -> RecordingFileColumns:
-    """Return the tables of a file as one: the first, with the others beside it."""
+    """Return the tables of a file as one: the first, with the others joined to it."""
     first, *others = tables
     return replace(first, other_tables=tuple(others))
 
@@ -109,7 +109,7 @@ class RecordingFormat:
 
 MIN_SAMPLE_RATE_HZ, MAX_SAMPLE_RATE_HZ = 1e-4, 1e7
 """Sample rates of anything that records a driveline: from a value in hours to a digitiser's.
-Beyond them it is the number that is wrong. House practice, assumed."""
+Beyond them it is the number that is wrong. Engineering judgement, assumed."""
 
 
 def no_frames_note(databases: tuple[Path, ...]) -> str:
@@ -188,7 +188,7 @@ MAX_BYTES_PER_SAMPLE = 16
 
 
 MAX_PAGE_BYTES_WITHOUT_CHECK, MAX_PAGE_BYTES = 1 << 26, 1 << 30
-"""Bytes of a page that are nobody's concern, and that are too many for any."""
+"""Bytes of a page that need no check, and that are too many for any page."""
 
 
 def max_page_bytes(samples: int) -> int:

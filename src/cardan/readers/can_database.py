@@ -213,7 +213,7 @@ class CanDatabase:
 
 
 def without_priority(identifier: int, message: CanMessage) -> int:
-    """Return what tells the frames of a message apart: its identifier, of J1939 less priority."""
+    """Return what distinguishes the frames of a message: its identifier, of J1939 less priority."""
     return identifier if message.j1939 == "none" else identifier & ~_PRIORITY_BITS
 
 

@@ -214,7 +214,7 @@ def _decode(path: Path, sender: _Sender, block: FrameBlock) -> None:
 
 
 def _tables_of(sender: _Sender, senders: Sequence[_Sender]) -> Iterator[RecordingFileColumns]:
-    """Yield the tables of a sender; its name is in theirs where others send the same message."""
+    """Yield the tables of a sender, with its name in them if others send the same message."""
     message = sender.message
     alike = [s for s in senders if s.message is message]
     which: list[str] = []

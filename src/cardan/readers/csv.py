@@ -296,7 +296,7 @@ def _shows_decimal_sign(lines: list[str], delimiter: str, decimal: str) -> bool:
 
 
 def _delimiter_is_decimal_sign(delimiter: str, decimal: str, lines: list[str]) -> bool:
-    """Whether nothing tells a delimiter from a decimal sign: it does if numbers are in quotes."""
+    """Whether a delimiter cannot be distinguished from a decimal sign: quoted numbers can."""
     return delimiter == decimal and not any(f'"{decimal}"' in line for line in lines)
 
 
@@ -403,7 +403,7 @@ def header_channels(
     """Names and units from the lines above the numbers, and whether they were found.
 
     Names stand first, below a title perhaps; which of the lines below holds units is seen by
-    what it says, others (descriptions, channel numbers, dates) are nobody's.
+    what it says, others (descriptions, channel numbers, dates) are ignored.
     """
     rows = [split_row(line.lstrip("#% "), delimiter) for line in before if line.strip()]
     rows = [_without_label_or_comment(row, rows, width) for row in rows]
@@ -500,7 +500,7 @@ def _read_with_arrow(
     """Yield the rows of a file.
 
     With care a last row cut short is passed over, thousands may be set apart, and what is no
-    number is told by its place. That is called from a thread of Arrow's: one that still ran as
+    number is reported by its place. That is called from a thread of Arrow's: one that still ran as
     Python ended took the whole process with it.
     """
     import pyarrow as pa  # pyright: ignore[reportMissingTypeStubs]

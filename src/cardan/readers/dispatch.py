@@ -206,7 +206,7 @@ def _timed_tables(
     found = _with_frames(path, found, [t for t in tables if t.frames])
     longest = max((t.table.samples or 0 for t in found), default=0)
     for table, error in unknown:
-        # What nobody asked for, a log of events or a spectrum, does not decide over the file.
+        # What was not requested, a log of events or a spectrum, does not decide over the file.
         if not found or (not table.no_time and (table.samples or 0) > longest):
             if len(tables) == 1 or table.no_time or table.rate is not None or _has_clock(table):
                 raise error
@@ -312,7 +312,7 @@ def _no_channels(path: Path, tables: Sequence[RecordingFileColumns]) -> list[Tim
 
 
 def _printable(table: RecordingFileColumns) -> RecordingFileColumns:
-    """Return a table without what nobody sees: names of a logger may hold anything."""
+    """Return a table without invisible characters: names of a logger may hold anything."""
     columns = tuple(
         Channel(
             replace_hidden_characters(c.name),

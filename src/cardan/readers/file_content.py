@@ -1,4 +1,4 @@
-"""What a file is by its first bytes: formats that are not read are told by name."""
+"""What a file is by its first bytes: formats that are not read are reported by name."""
 
 import struct
 from collections.abc import Callable
@@ -94,7 +94,7 @@ _FOREIGN_BY_ENDING: dict[str, _Export] = {
     ".ldsf": ("Simcenter Testlab LDSF", "MDF4, CSV", "Simcenter Testlab"),
     **dict.fromkeys((".dxd", ".dxz", ".d7d", ".d7z"), _DEWESOFT),
 }
-"""Systems whose formats are not published, so that only the ending tells them."""
+"""Systems whose formats are not published, so that only the ending identifies them."""
 
 
 def check_known_format(path: Path, head: bytes) -> None:

@@ -1,7 +1,7 @@
 """MATLAB files (.mat) of level 5 and 7.3: vectors, matrices and structs of them.
 
 Series of one length and one struct are a table. Its clock is a vector whose name says time; else
-its rate is a single number of a usual name (`Fs`, `SampleRate`, `dt`). A matrix of texts beside it
+its rate is a single number of a usual name (`Fs`, `SampleRate`, `dt`). A matrix of texts next to it
 (`names`, `units`) names its columns. Structs as Simulink writes them (`time`, `signals(k).values`,
 `signals(k).label`) are read as such.
 """
@@ -135,7 +135,7 @@ class _Beside:
         return found if len(found) == count else ()
 
     def _number(self, name: str, words: Sequence[str]) -> float | None:
-        """Return the first of some numbers beside a variable, or beside a struct that it is in."""
+        """Return the first of some numbers next to a variable, or to a struct that it is in."""
         parent = name
         while parent:
             parent = _parent_and_field(parent)[0]
@@ -146,7 +146,7 @@ class _Beside:
         return None
 
     def rate(self, name: str) -> float | None:
-        """Return the rate of a variable, Hz, by a rate or a step beside it."""
+        """Return the rate of a variable, Hz, by a rate or a step next to it."""
         rate, step = self._number(name, _RATE_NAMES), self._number(name, _STEP_NAMES)
         return 1 / step if rate is None and step else rate
 
@@ -177,7 +177,7 @@ def _series_of(v: Variable, variables: Sequence[Variable], beside: _Beside) -> I
         yield _Series(*_name_and_unit(v.name, beside), root, long[0], rate, start, v.read)
         return
     rows, columns = long
-    # As long as a vector beside it; else the longer way.
+    # As long as a vector next to it; else the longer way.
     lengths = {
         n for o in variables if _parent_and_field(o.name)[0] == parent
         for n in o.shape if o.read is not None and math.prod(o.shape) == n > 1
@@ -213,7 +213,7 @@ def _column(
 
 
 def _name_and_unit(name: str, beside: _Beside) -> tuple[str, str]:
-    """Return what a vector is called and its unit, by the texts beside it."""
+    """Return what a vector is called and its unit, by the texts next to it."""
     parent, field = _parent_and_field(name)
     unit = (
         beside.text(f"{parent}.units" if parent else "units", (_plain(field),))

@@ -57,7 +57,7 @@ def open_mdf(path: Path, group: str = "", dbc: tuple[Path, ...] = ()) -> Recordi
     if not dbc and len(frames) == len(chosen):
         raise unreadable_recording_error(path, NO_DATABASE)
     check_sample_count(path, max(sizes[k] for k in chosen), len(chosen))
-    # What is asked of one record may read them all, and take twice the file of memory.
+    # A read of one record may read them all, and take twice the file of memory.
     file.configure(read_fragment_size=MDF_INSPECTION_READ_BLOCK_BYTES)
     own = [k for k in chosen if k not in frames]
     tables = [_mdf_group_table(path, file, k, sizes[k], names[k]) for k in own]
@@ -133,7 +133,7 @@ def _open_mdf_unmapped(reader: Callable[..., Any], path: Path) -> Any:
     """Return an MDF4 that is read a stretch at a time.
 
     By its path it is mapped, and each page that was touched counts as the process' memory as long
-    as nobody else asks for it: all of the file in the end. One that was not finished is written
+    as it is not needed elsewhere: all of the file in the end. One that was not finished is written
     anew as it is opened, which takes its path.
     """
     stream = path.open("rb")
@@ -153,7 +153,7 @@ def _open_mdf_unmapped(reader: Callable[..., Any], path: Path) -> Any:
 
 
 def _open_unfinished_mdf(reader: Callable[..., Any], path: Path) -> Any:
-    """Return an MDF4 that is finished in a copy without a name, which goes with whoever reads it.
+    """Return an MDF4 that is finished in a copy without a name, which is deleted with its reader.
 
     By its path asammdf 8.8 makes one in the temporary folder and leaves it there unless closed.
     """
@@ -173,8 +173,8 @@ def _open_unfinished_mdf(reader: Callable[..., Any], path: Path) -> Any:
 def _try_to_open(reader: Callable[[Path], Any], path: Path) -> tuple[Any, str]:
     """Return what a reader opens, or why it cannot.
 
-    What asammdf has half made of a file that was cut off complains when it goes: nobody is to
-    hear that.
+    What asammdf has half made of a file that was cut off complains when it is deleted: users are
+    not to see that.
     """
 
     def silent(_: object) -> None: ...
@@ -281,7 +281,7 @@ def _records(file: Any, group: Any, path: Path) -> Iterator[Any]:
 def _next_record(each: Iterator[Any], path: Path) -> Any:
     """Return what comes next of an MDF; None at its end.
 
-    Where whoever asks takes ten seconds for some stretches, asammdf prints how fast it was.
+    If the caller takes ten seconds for some stretches, asammdf prints how fast it was.
     """
     try:
         with redirect_stdout(None):

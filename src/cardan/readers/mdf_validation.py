@@ -1,7 +1,7 @@
 """Whether the blocks of an MDF4 file hang together, and what they claim, from their heads alone.
 
 A reader follows links as they stand, and takes memory for a block on its word: a list that leads
-back to itself never ends, and two megabytes of zeros, packed, ask for gigabytes. ASAM MDF 4.2,
+back to itself never ends, and two megabytes of zeros, packed, require gigabytes. ASAM MDF 4.2,
 chapter 5: each block begins with its name, its length and its links. In MDF 3.3 names are of two
 letters, links half as long, and nothing is packed.
 """
@@ -22,7 +22,7 @@ OWNED_LINK_INDICES_BY_MDF_BLOCK = {
 """Links of a block to those that are its own: each has one owner. Of a list all are."""
 MDF_LIST_BLOCK_IDS = (b"##DL", b"##LD")
 DATA_BLOCKS = (b"##DT", b"##DV", b"##DI", b"##SD", b"##RD")
-"""What grows as it is recorded: of a file that was not finished nobody knows how long it is."""
+"""What grows as it is recorded: its length is unknown if the file was not finished."""
 MDF_SHAREABLE_BLOCK_IDS = (b"##CG", b"##AT", b"##EV", b"##CN")
 """What a channel may point at for its values though it is another's."""
 MDF_COMPRESSED_BLOCK_ID = b"##DZ"
@@ -200,7 +200,7 @@ def _check_unpacked_size(file: BinaryIO, block: MdfBlock) -> None:
     )  # odd ones are the same of rows that were turned to columns
     if makes is None:
         return
-    # What it says it makes is no bound: only its packer's own heads, or unpacking it, tell.
+    # What it says it makes is no bound: only its packer's own heads, or unpacking it, show it.
     file.seek(block.offset + _BLOCK_HEADER.size + _COMPRESSED_HEADER.size)
     if any(found > made for found in makes(file, packed)):
         msg = f"a packed block of it makes more than the {made} bytes that it claims"
@@ -262,7 +262,7 @@ def _zstd(file: BinaryIO, size: int) -> Iterator[int]:
             file.seek(int.from_bytes(bytes([flags]) + file.read(3), "little"), 1)
             continue
         if magic != _ZSTD_MAGIC:
-            return  # whoever unpacks it says so
+            return  # unpacking reports it
         alone = flags >> 5 & 1
         file.seek((1 - alone) + (0, 1, 2, 4)[flags & 3], 1)
         width = (alone, 2, 4, 8)[flags >> 6]

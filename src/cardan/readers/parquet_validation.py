@@ -1,7 +1,7 @@
 """How large the pages of a Parquet file claim to be, read from their headers alone.
 
 A reader takes as much memory for a page as its header says, before it has seen one sample: 190 kB
-of a file may ask for gigabytes. Apache Parquet format 2.11, `PageHeader`, in Thrift's compact
+of a file may require gigabytes. Apache Parquet format 2.11, `PageHeader`, in Thrift's compact
 protocol.
 """
 

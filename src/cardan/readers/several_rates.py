@@ -1,7 +1,7 @@
 """Tables of a file, each with a time axis of its own, as one recording.
 
 Tables of the fastest rate keep their samples and lie where their file says that they begin, to the
-nearest sample; slower ones are laid straight between theirs. Outside its own time a channel is
+nearest sample; slower ones are laid straight between those. Outside its own time a channel is
 unknown, and a note says so.
 """
 
@@ -30,9 +30,9 @@ from cardan.readers.time_column import TimeAxis, fill_time_gaps, is_time_column,
 
 MAX_TIME_STEPS_WITHOUT_VALUE = 5
 """Usual steps of a slower channel without a value from which there is none: so many times a message
-of a bus may fail to come before who listens gives it up. House practice, assumed."""
+of a bus may fail to come before a listener gives it up. Engineering judgement, assumed."""
 MAX_SLOWER_CHANNEL_SAMPLES_IN_MEMORY = 1 << 26
-"""Samples of slower channels that are held in memory, beside the fastest."""
+"""Samples of slower channels that are held in memory, in addition to the fastest."""
 MAX_RELATIVE_RATE_DIFFERENCE = 1e-9
 """Of two tables whose samples are of one rate."""
 
@@ -77,7 +77,7 @@ class TimedTable:
 
 
 def with_group_prefix(table: RecordingFileColumns, taken: Iterable[str]) -> RecordingFileColumns:
-    """Return a table beside others with its group before the names that they have as well."""
+    """Return a table joined to others with its group before the names that they have as well."""
     known = set(taken)
     columns = tuple(
         replace(c, name=f"{table.group}/{c.name}")
@@ -199,7 +199,7 @@ def _overlapping(
     far: list[TimedTable] = []
     begun, ended = main.axis.start, main.axis.start + main.length
     for t in tables:
-        # Holes make a table longer than its samples: nobody knows by how much.
+        # Holes make a table longer than its samples: by how much is unknown.
         known = t.axis.clock is None and main.axis.clock is None and main.table.samples
         after = t.axis.start >= ended + (0 if known else max(main.length, 3600.0))
         before = t.axis.start + t.length <= begun - (0 if known else max(t.length, 3600.0))
@@ -337,7 +337,7 @@ class _LaidTable:
         after = np.flatnonzero(step > MAX_TIME_STEPS_WITHOUT_VALUE * usual) + 1
         if uneven:
             after = after[:0]
-        # Half way through a hole nobody knows, so nothing goes straight across it.
+        # The middle of a hole is unknown, so nothing goes straight across it.
         begun, holes = time[after - 1], time[after] - time[after - 1]
         amid = (time[after - 1] + time[after]) / 2
         inside = time > -usual / 2
@@ -379,7 +379,7 @@ def _outside_notes(
 ) -> Iterator[str]:
     """Yield what begins or ends elsewhere than the recording does."""
     rate = peers[0].axis.rate
-    # Holes make it longer, and nobody has read it yet.
+    # Holes make it longer, and it is not read yet.
     whole = peers[0].length if even.samples is None else even.samples / rate
     ends = [
         (

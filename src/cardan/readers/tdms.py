@@ -1,4 +1,4 @@
-"""TDMS recordings: npTDMS tells what is in a file and where it lies, and it is read from there.
+"""TDMS recordings: npTDMS finds what is in a file and where it lies, and it is read from there.
 
 npTDMS takes memory for as many samples as a segment claims, and reads all of an interleaved one
 anew for each piece of each channel. Of a data acquisition card a channel's samples are what one
@@ -78,7 +78,7 @@ class _SampleRuns:
 
 
 class _CachedReader:
-    """Rows of a file, the last kept: channels that are interleaved ask for the same."""
+    """Rows of a file, the last kept: channels that are interleaved need the same."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self.stream, self.asked, self.held = stream, (0, 0), b""
@@ -98,7 +98,7 @@ def open_tdms(path: Path, group: str = "") -> RecordingFileColumns:
 
     log_manager.set_level(logging.ERROR)  # what it warns of is said in notes
     try:
-        # Of the file itself: an index that lies beside it may be another's.
+        # Of the file itself: an index that lies next to it may be another file's.
         with path.open("rb") as stream:
             file: Any = TdmsFile.read_metadata(stream)
         groups = {g.name: g for g in file.groups() if any(len(c) for c in g.channels())}

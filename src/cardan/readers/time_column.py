@@ -34,8 +34,9 @@ _LABVIEW_CLOCK_NAME = "X_Value"
 """LabVIEW's name of the time of its tables."""
 
 MIN_PLAUSIBLE_STEP_IN_CLOCK_UNITS = 0.02
-"""Step of a clock labelled ms, us or ns, in that unit, below which it rather counts seconds: who
-samples that fast writes a finer unit. House practice, assumed; whoever measured may say it."""
+"""Step of a clock labelled ms, us or ns, in that unit, below which it rather counts seconds: a
+logger that samples that fast writes a finer unit. Engineering judgement, assumed; the user may give
+it."""
 MIN_ROWS_FOR_RATE = 3
 MIN_ROWS_OF_RATE_CHANGE = 200
 """Rows on either side of a change of the rate: fewer are jitter."""
@@ -58,7 +59,7 @@ class MidnightRollover:
     def add_days(self, time: FloatArray) -> FloatArray:
         """Return times (n,) s with the days before them."""
         step = np.diff(time, prepend=self.last)
-        # Nobody's clock goes back by half a day.
+        # No clock goes back by half a day.
         midnights = self.midnights + np.cumsum((step < -DAY_S / 2) & (time < DAY_S))
         if time.size:
             self.last, self.midnights = float(time[-1]), int(midnights[-1])
@@ -217,7 +218,7 @@ def find_time_column(path: Path, table: RecordingFileColumns, time: str | None) 
         return names.index(time)
     found = [k for k, c in enumerate(table.columns) if is_time_column(c)]
     plain = [k for k in found if len(names[k].strip()) > 1]
-    found = plain or found  # a column t beside one called time is something else
+    found = plain or found  # a column t next to one called time is something else
     if len(found) == 1:
         return found[0]
     if not found and table.clock is not None:

@@ -75,7 +75,7 @@ def open_wav(path: Path, _group: str = "") -> RecordingFileColumns:
             value=f"{frame_said} bytes for {channels} channels of {bits} bits",
             hint=f"{frame} bytes are expected; write it anew with the program that made it",
         )  # fmt: skip
-    # Nought is of a header that was never completed: samples go on to the end.
+    # Zero is of a header that was never completed: samples go on to the end.
     there = min(said or size, size - start)
     parts = [(start, there // frame), *_later_data(path, start + said + said % 2, frame)]
     samples = sum(n for _, n in parts)
@@ -93,7 +93,8 @@ def open_wav(path: Path, _group: str = "") -> RecordingFileColumns:
         notes.append(f"its header says {rate} Hz and, by bytes a second, {pace / frame:.6g} Hz")
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:
-        # Read, not mapped: pages of a map count as memory of whoever reads, all of a long file.
+        # Read, not mapped: pages of a map count as memory of the reading process, all of a long
+        # file.
         with path.open("rb") as file:
             for at, first, many in (
                 (at, first, n) for at, n in parts for first in range(0, n, SAMPLES_PER_BLOCK)
