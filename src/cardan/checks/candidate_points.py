@@ -50,10 +50,10 @@ AXLE_TRAVEL_ROUNDING_TOLERANCE_M = 1e-9
 """m, of travel that is rounding."""
 
 SPEED_REFINEMENT_STEP_BANDWIDTHS = 0.25
-"""How far beside the worst speed it is sought again, in loss factors: a mode's width is one."""
+"""How far from the worst speed it is sought again, in loss factors: a mode's width is one."""
 
 RESONANCE_FLANK_OFFSETS_BANDWIDTHS = (-1.5, -0.5, 0.5, 1.5)
-"""Where beside a crest order 2 may add most to the mean, in the same."""
+"""Where next to a crest order 2 may add most to the mean, in the same."""
 
 REFINED_PEAK_COUNT = 3
 """How many crests are sought more closely: the next may prove the higher one."""
@@ -120,9 +120,9 @@ def screen_candidates(mounts: LineOnMounts, of: CandidatePoints | None) -> Scree
 def refined_candidates(
     mounts: LineOnMounts, of: CandidatePoints, tried: OperatingPointResults, *, gives: bool = False
 ) -> OperatingPointResults:
-    """Return candidates tried, and points beside the worst of them; in m for N of what gives."""
+    """Return candidates tried, and points next to the worst of them; in m for N of what gives."""
     assert of.screening_model is not None  # on which they were tried
-    # Beside the candidates nobody asks how far shafts reach.
+    # Only at the candidates it is needed how far shafts reach.
     return _closer(mounts, tried, of.screening_model.without_obstacles(), gives=gives)
 
 
@@ -293,11 +293,11 @@ def _closer(
     *,
     gives: bool = False,
 ) -> OperatingPointResults:
-    """Return points tried, and those beside the worst of them where they may be worse.
+    """Return points tried, and those next to the worst of them where they may be worse.
 
     The worst peak of each bearing, and the `REFINED_PEAK_COUNT` crests of what shakes it most.
     Where a mode alone shakes, 1/F² is a parabola over the square of the speed; what order 2 adds
-    to the mean is largest half a mode's width beside that crest, or farther where modes overlap
+    to the mean is largest half a mode's width from that crest, or farther where modes overlap
     (`RESONANCE_FLANK_OFFSETS_BANDWIDTHS`).
     """
     found = tried.curves

@@ -44,8 +44,8 @@ def bearing_forces_over_time_history(
     """Return what the bearings carry along a drive in a state, (P, n-2) N twice.
 
     Steadily at each instant's torque and speed, and as the line passes through; the axle where
-    the torque of the instant has it. Rigid bearings carry the same either way. None where nobody
-    knows how the line moves on its rubber.
+    the torque of the instant has it. Rigid bearings carry the same either way. None if it is
+    unknown how the line moves on its rubber.
     """
     inputs = mounts.inputs
     if mounts.is_rigid:

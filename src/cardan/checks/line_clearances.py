@@ -57,7 +57,7 @@ class LineClearances:
 
     @property
     def length_taking_discs(self) -> tuple[int, ...]:
-        """Flexible discs, from 0, that take up the last shaft's length: nothing beside slides."""
+        """Flexible discs, from 0, that take up the last shaft's length: nothing else slides."""
         ends = tuple(enumerate(self.inputs.joint_sizes))[-2:]
         slides = any(s and s.kind != "flexible disc" and s.plunge is not None for _, s in ends)
         if slides or self.inputs.line.shafts[-1].spline is not None:

@@ -52,7 +52,7 @@ SAMPLES_PER_TURN = 16
 class LineInputs:
     """One line in its states, and what follows from it at once, (variants ..., states).
 
-    What the application gives no grounds for is nan, and no limit asks about it.
+    What the application gives no grounds for is nan, and no limit applies to it.
     """
 
     application: Application
@@ -68,7 +68,7 @@ class LineInputs:
     )
     """Brackets that give, by the bearing, from 0, that hangs in them; others are rigid."""
     twisted_by_torque: bool = False
-    """Whether its turn is asked as torque twists its shafts (`line_response.deflected_line`)."""
+    """Whether its turn is computed as torque twists its shafts (`line_response.deflected_line`)."""
 
     @property
     def line(self) -> Line:
@@ -137,7 +137,7 @@ class LineInputs:
 
     @cached_property
     def chain_rotation(self) -> ChainRotation:
-        """The exact turn of the chain; its shafts as they are welded, as limits ask of it."""
+        """The exact turn of the chain; its shafts as they are welded, as limits use it."""
         return self.turned(self.demand.torque if self.twisted_by_torque else 0.0)
 
     @cached_property

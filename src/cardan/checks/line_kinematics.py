@@ -94,7 +94,7 @@ class LineKinematics:
 
     @cached_property
     def inertia_torques(self) -> tuple[FloatArray, FloatArray]:
-        """Torques to accelerate the shafts, in drive and coast, (...) N m; nan without inertias."""
+        """Torques to accelerate the shafts, drive and overrun, (...) N m; nan without inertias."""
         if self.inputs.shaft_inertias is None:
             return np.asarray(np.nan), np.asarray(np.nan)
         return equivalent.shaft_inertia_torques(

@@ -45,7 +45,7 @@ class LineOnMounts:
     def is_rigid(self) -> bool:
         """Whether none of its centre bearings gives: no rubber, and no bracket that bends.
 
-        Statics tells what such bearings carry, at any speed.
+        Statics gives what such bearings carry, at any speed.
         """
         return not self.inputs.bracket_compliances and all(
             b.stiffness is None and not b.bracket_stiffness
@@ -122,7 +122,7 @@ class LineOnMounts:
         return nan_where_no_point(found, of)
 
     def force_inputs(self, of: LineStateDemand, *, inertia: bool) -> dict[str, Any]:
-        """Return what a line's forces as it runs depend on, beside where it lies."""
+        """Return what a line's forces as it runs depend on, besides where it lies."""
         return {
             "torque": np.nan_to_num(of.torque),
             "speed": np.nan_to_num(of.signed_speed),
@@ -181,7 +181,7 @@ class LineOnMounts:
 def mounted_line_of(
     inputs: LineInputs, *, assumed: ArrayLike = DEFAULT_LOSS_FACTOR, cut: bool = False
 ) -> MountedLine | None:
-    """Return how a line can move on its rubber in each state; None where it cannot, or who knows.
+    """Return how a line can move on its rubber in each state; None where it cannot.
 
     It needs a length and a tube of each shaft for its mass, and a stiffness of one bearing. A
     loss factor that is not given is `assumed` (...). Its joints may be `cut` for what they carry.

@@ -34,7 +34,7 @@ from cardan.physics.vehicle.state_torques import individual_axle_loads_by_state
 class LineResponse:
     """Everything computed for one line, by subject; leading axes are (variants ..., states).
 
-    What the application gives no grounds for is nan, and no limit asks about it.
+    What the application gives no grounds for is nan, and no limit applies to it.
     """
 
     inputs: LineInputs
@@ -46,7 +46,7 @@ class LineResponse:
 
     @property
     def demand(self) -> LineStateDemand:
-        """What the vehicle asks of the line in each state."""
+        """What the vehicle requires of the line in each state."""
         return self.inputs.demand
 
     @property
@@ -160,7 +160,7 @@ def deflected_line(response: LineResponse) -> LineResponse:
     """Return a line as its torque leaves it: shafts twisted, bearings moved on their rubber.
 
     The bearings at each operating point; of a line that has none they hang where they did. Its
-    angles are to be asked: forces on rubber are those of a line before its rubber gives.
+    angles are to be used: forces on rubber are those of a line before its rubber gives.
     """
     held, inputs = response.mounts.mounted_line, response.inputs
 

@@ -95,7 +95,7 @@ class LineStrength:
 
     @cached_property
     def joint_fatigue_utilisation(self) -> FloatArray:
-        """Share of each joint's fatigue rating, from coast to drive torque, (..., n).
+        """Share of each joint's fatigue rating, from overrun to drive torque, (..., n).
 
         Every state's torques taken as a swing that comes back for ever; nan where the
         catalogue has no reversing torque.
@@ -105,7 +105,7 @@ class LineStrength:
             self.inputs.rating("pulsating_torque"),
         )
         return strength.joint_fatigue_utilisation(
-            np.maximum(self.inputs.demand.torque, 0.0)[..., None],  # where it coasts: from 0
+            np.maximum(self.inputs.demand.torque, 0.0)[..., None],  # in overrun: from 0
             lowest=-np.nan_to_num(self.inputs.demand.coast_torque)[..., None],
             reversing=reversing,
             pulsating=np.where(np.isnan(pulsating), reversing, pulsating),
@@ -137,11 +137,11 @@ class LineStrength:
 
     @cached_property
     def tube_fatigue_utilisation(self) -> FloatArray:
-        """Share of each tube's endurance in shear, from coast to drive torque, (..., n-1).
+        """Share of each tube's endurance in shear, from overrun to drive torque, (..., n-1).
 
         nan of a composite tube, and where the material's endurance is not known.
         """
-        highest = np.maximum(self.inputs.demand.torque, 0.0)  # where it coasts: from 0
+        highest = np.maximum(self.inputs.demand.torque, 0.0)  # in overrun: from 0
         lowest = -np.nan_to_num(self.inputs.demand.coast_torque)
 
         def used(tube: Tube | CompositeTube | None) -> FloatArray:
@@ -276,7 +276,7 @@ class LineStrength:
 
 
 _MODES: WeakKeyDictionary[LineStateDemand, whirl.WhirlModes | None] = WeakKeyDictionary()
-"""Critical modes of each line asked about: once for all layouts that keep its shafts."""
+"""Critical modes of each line in question: once for all layouts that keep its shafts."""
 
 
 def _alone(tube: Tube | CompositeTube, length: FloatArray) -> FloatArray:

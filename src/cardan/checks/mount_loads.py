@@ -54,7 +54,7 @@ class MountLoads:
 
     @cached_property
     def refined_forces(self) -> OperatingPointResults | None:
-        """What bearings nearly carry there, and beside the worst of those points."""
+        """What bearings nearly carry there, and next to the worst of those points."""
         of, found = self.candidate_points, self.screened_forces
         return of and found and refined_candidates(self.mounts, of, found.forces)
 
@@ -80,7 +80,7 @@ class MountLoads:
 
     @cached_property
     def worst_growth_rate(self) -> OperatingPointResults | None:
-        """The operating point at which the line's swinging grows most, or dies away least."""
+        """The operating point at which the line's swinging grows most, or decays least."""
         return search.worst_growth_rate(self.mounts)
 
     def all_points(self) -> OperatingPointResults | None:
@@ -123,7 +123,7 @@ class MountLoads:
 
     @cached_property
     def _own_stop_margins(self) -> dict[str, FloatArray]:
-        """Those that were evaluated, by kind: every limit on forces asks."""
+        """Those that were evaluated, by kind: every limit on forces needs them."""
         return {}
 
     def _computed_stop_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
@@ -244,8 +244,8 @@ class MountLoads:
         """How far a duty cycle's speeds stay off the modes on the rubber, (...) 1.
 
         The least |k Ω / ω - 1| of its speeds Ω, of order 2 of the joints, and order 1 where
-        unbalance counts, and of the modes ω that its torques leave the line; nan where nobody
-        knows, and in states that do not last.
+        unbalance counts, and of the modes ω that its torques leave the line; nan if
+        unknown, and in states that do not last.
         """
         orders = (1, 2) if self.mounts.inputs.application.include_unbalance else (2,)
         found = np.full(self.mounts.inputs.layout.directions.shape[:-2], np.nan)

@@ -41,7 +41,7 @@ def envelope_points(
     if not found.gears:
         return None
     # Curves that no variant changes have one axis of one: what follows from them alone is
-    # asked once, and what a tube's wall makes of it, which no force shows, for each.
+    # evaluated once, and what a tube's wall makes of it, which no force shows, for each.
     if found.max_speed.ndim == 2:
         found = curves_for_cases(found, (1, *found.max_speed.shape[1:]))
     rows = [row for of in curves_by_direction(found) for row in corner_points(found, of)]
@@ -91,8 +91,8 @@ def curves_for_cases(found: TorqueCurves, cases: tuple[int, ...]) -> TorqueCurve
 def curves_by_direction(found: TorqueCurves) -> list[IntArray]:
     """Return which curves turn the line each way.
 
-    Coast and reverse push alike and turn against each other: what shakes first up, then
-    sideways shakes the other way round, and rubber that damps both tells these apart.
+    Overrun and reverse push alike and turn against each other: what shakes first up, then
+    sideways shakes the other way round, and rubber that damps both distinguishes these.
     """
     each = [np.flatnonzero([d == way for d in found.directions]) for way in get_args(DriveMode)]
     return [of for of in each if len(of)]

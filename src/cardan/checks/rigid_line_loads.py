@@ -70,7 +70,7 @@ class RigidLineLoads:
 
     @cached_property
     def unbalance_forces(self) -> UnbalanceForces | None:
-        """Forces once a turn at top speed; None unless asked for."""
+        """Forces once a turn at top speed; None unless requested."""
         if not self.inputs.application.include_unbalance:
             return None
         return unbalance_forces(

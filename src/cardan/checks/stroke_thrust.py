@@ -177,8 +177,8 @@ def stroke_thrust(
 ) -> StrokeThrust | None:
     """Return the thrust of a line's spline over the stroke of its suspension.
 
-    `held` is the line on its slowest modes. None of a line that is not on rubber, or of whose
-    spline nobody knows the radius.
+    `held` is the line on its slowest modes. None of a line that is not on rubber, or whose
+    spline radius is unknown.
     """
     spline = inputs.line.shafts[-1].spline
     if held is None or spline is None or spline.mean_radius is None or inputs.line.joint_count < 3:
@@ -412,7 +412,8 @@ def _largest_torques(
 ) -> tuple[FloatArray, BoolArray, BoolArray]:
     """Return the largest torque of a line ahead and astern, (2, ..., S) N m, 0 where none.
 
-    Beside the torque of the state itself; and where the line then coasts, and is braked.
+    In addition to the torque of the state itself; and where the line is then in overrun, and
+    braked.
     """
     own = np.nan_to_num(inputs.demand.torque)
     each = [own[None]]

@@ -110,7 +110,7 @@ def bearing_forces_at_loss_factors(
 ) -> BearingForces:
     """Return what the bearings carry at their points with other loss factors.
 
-    For `assumed` (F, 1), beside the states: (F, S, n-2).
+    For `assumed` (F, 1), next to the states: (F, S, n-2).
     """
     inputs = mounts.inputs
     curve, speed = (v[:, None] for v in point_rows(p))
@@ -150,7 +150,7 @@ def worst_obstacle_clearance(
 
     (..., S, parts), the obstacles of the first shaft before those of the second. None where the
     line is not on rubber, or has no point, or nothing is in its way. Of the points tried: none
-    beside them has 0.1 mm more.
+    next to them has 0.1 mm more.
     """
     if screened is None or not mounts.inputs.obstacles:
         return None
@@ -238,7 +238,7 @@ class ParametricGrowth:
 
 
 def worst_growth_rate(mounts: LineOnMounts) -> OperatingPointResults | None:
-    """Return the point where a line's swinging grows most, or dies away least, (..., S, 1).
+    """Return the point where a line's swinging grows most, or decays least, (..., S, 1).
 
     At the corners of its curves, and with most torque where twice the speed meets the sum of
     two modes; None where the line is not on rubber, or has no point.

@@ -41,7 +41,7 @@ def _end_bearings(letters: str) -> QuantityFunction:
 
 
 def _rated(letters: str, end: str) -> PartSelector:
-    """Return how to tell which bearings of an end are rated: both or none."""
+    """Return the function that finds which bearings of an end are rated: both or none."""
     return lambda r: (
         _lettered(letters)(r) if getattr(r.line, f"{end}_bearing_rating") is not None else ()
     )
@@ -108,7 +108,7 @@ def _placed(end: str) -> Requirement:
 def _of_joints(r: LineResponse) -> FloatArray:
     """Return what shakes each joint on rubber, (..., S, n) N; nan where unknown.
 
-    On rigid bearings that is what statics tells at the state's own torque.
+    On rigid bearings that is what statics gives at the state's own torque.
     """
     worst = r.mount_loads.worst_joint_forces
     if worst is None and r.mounts.is_rigid and r.line.joint_count > 2:
@@ -129,7 +129,7 @@ def _on_own_rubber(r: LineResponse) -> list[int]:
 
 
 def _stopped(r: LineResponse) -> list[int]:
-    """Return which bearings, from 0, somebody knows the stop of."""
+    """Return which bearings, from 0, have a known stop."""
     return [k for k, b in enumerate(r.line.centre_bearings) if b.travel is not None]
 
 
@@ -145,7 +145,7 @@ def _travel(r: LineResponse) -> FloatArray:
 
 
 def _over_stop(r: LineResponse) -> FloatArray:
-    """Return that over how far the rubber goes, of those bearings of which somebody says it."""
+    """Return that over how far the rubber goes, of those bearings where it is given."""
     which = _stopped(r)
     if not which:  # and then it is not sought
         return np.empty((*r.joint_angles.shape[:-1], 0))
@@ -155,7 +155,7 @@ def _over_stop(r: LineResponse) -> FloatArray:
 def _where_farthest(
     which: Callable[[LineResponse], list[int]],
 ) -> Callable[[LineResponse], OperatingPointResults | None]:
-    """Return how to tell where bearings go farthest, each by itself."""
+    """Return the function that finds where bearings go farthest, each by itself."""
 
     def sought(r: LineResponse) -> OperatingPointResults | None:
         chosen = which(r)

@@ -35,7 +35,7 @@ ReportTableSection: TypeAlias = Literal[
 ]  # fmt: skip
 
 SECTIONS_GROUPED_BY_PART = ("Axle loads", "Joints", "Centre bearings", "Couples and forks")
-"""Sections that tell all of one part before the next; the others go by quantity."""
+"""Sections that list all of one part before the next; the others go by quantity."""
 
 UNIT_SYMBOLS = {
     "1": "", "Nm": "N·m", "rad_s2": "rad/s²", "deg_min": "deg/min", "kg_m3": "kg/m³",
@@ -49,8 +49,8 @@ UNIT_SYMBOLS = {
 class Requirement:
     """Something an answer stands on.
 
-    `met` tells where a line has it, (..., states, parts) or what broadcasts to that, and
-    `idle` where the application says there is nothing to ask: a line that stands still.
+    `met` is where a line has it, (..., states, parts) or what broadcasts to that, and
+    `idle` where the application says there is nothing to evaluate: a line that stands still.
     """
 
     required_input: str
@@ -86,7 +86,7 @@ def _rated(gives: str, name: str) -> Requirement:
 
 
 def _strong(tube: Tube | CompositeTube | None) -> bool:
-    """Return whether somebody knows what a tube carries; of plies it is always known."""
+    """Return whether it is known what a tube carries; of plies it is always known."""
     if isinstance(tube, CompositeTube):
         return True
     return tube is not None and tube.material.yield_strength is not None
@@ -104,7 +104,7 @@ NEEDS_COAST_TORQUE = Requirement(
 NEEDS_SPEED_ZERO_ALLOWED = Requirement(
     required_input=NEEDS_SPEED.required_input, is_met=NEEDS_SPEED.is_met
 )
-"""How fast it turns, where what stands still is worth asking too."""
+"""How fast it turns, where what stands still counts too."""
 NEEDS_TORQUE = Requirement(
     required_input="torque_Nm, or engine, gearbox, axle and tyre",
     required_input_windup_brake=NEEDS_COAST_TORQUE.required_input,
@@ -169,7 +169,7 @@ NEEDS_SPLINE_STROKE = Requirement(
         np.isfinite(r.clearances.spline_travel_margin)[..., None] | (not r.line.has_lengths)
     ),
 )
-"""Given beside `NEEDS_SHAFT_LENGTHS` as well."""
+"""Given in addition to `NEEDS_SHAFT_LENGTHS`."""
 NEEDS_SPLINE_RADIUS = Requirement(
     required_input="spline mean_radius_mm",
     is_met=lambda r: np.isfinite(r.inputs.spline_force)[..., None],
@@ -216,7 +216,7 @@ class Quantity:
     sense: LimitSense = "<="
     """Which side of a limit is safe."""
     signed: bool = False
-    """Whether it has a direction: limits ask about its size."""
+    """Whether it has a direction: limits apply to its size."""
     parts: PartSelector | None = None
     compute: QuantityFunction | None = None
     validity_margin: QuantityFunction | None = None
@@ -231,19 +231,19 @@ class Quantity:
     depends_on_mounts: bool = False
     """Whether other rubber, or another place of a bearing, changes it."""
     at_all_points: bool = False
-    """Whether limits ask it at every operating point of a state, not at its own alone."""
+    """Whether limits apply to it at every operating point of a state, not at its own alone."""
     uses_engine_torque: bool = False
     """Whether it is of the engine's torque ahead, wherever the tyres slip."""
     requirements: tuple[Requirement, ...] = ()
     states: frozenset[str] | None = None
     """Kinds of state in which it means anything; None is all."""
     rating_attribute: str = ""
-    """Where a catalogue's joint brings a limit of its own, beside a profile's."""
+    """Where a catalogue's joint brings a limit of its own, in addition to a profile's."""
     rating_replaces_profile: bool = False
     """Whether a joint's own limit takes the place of a profile's."""
     rating_of_other_kinds: str = ""
     """What a joint that is no cross must be rated by, where profiles limit crosses: a profile's
-    limits are not asked of it, and without the rating it has no answer."""
+    limits do not apply to it, and without the rating it is not evaluated."""
     limit_by_definition: Limit | None = None
     """What each of its parts is held to under any profile: they are those that a file rates."""
     joint_kinds: frozenset[JointKind] | None = None
@@ -255,7 +255,7 @@ class Quantity:
     approximations: Mapping[str, QuantityFunction] = field(
         default_factory=dict[str, QuantityFunction]
     )
-    """The field's approximations that tables show beside it, by name."""
+    """The field's approximations that tables show next to it, by name."""
     study: str = ""
     """The study that answers it, where that is not the driveline in its states."""
     json_path: str = ""
@@ -276,7 +276,7 @@ class Quantity:
 
     @property
     def formula(self) -> Expression:
-        """Its equation as a formula, for who prints it of cells."""
+        """Its equation as a formula, to be printed with cells."""
         assert isinstance(self.equation, Expression)
         return self.equation
 
@@ -338,7 +338,7 @@ class Quantity:
 
         Or what it is at least beyond the range in which they hold.
         """
-        assert self.compute is not None  # asked of the driveline's own quantities
+        assert self.compute is not None  # of the driveline's own quantities
         values = (self.lower_bound if lower_bounds and self.lower_bound else self.compute)(r)
         if self.joint_kinds is not None:
             values = np.where(self.means_something_of(r), values, np.nan)

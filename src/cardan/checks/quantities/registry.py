@@ -30,4 +30,4 @@ LINE_QUANTITIES: dict[str, Quantity] = {
 LIMITABLE_QUANTITIES: tuple[str, ...] = tuple(
     k for k, q in QUANTITIES.items() if q.compute or q.study
 )
-"""Those that a limit may ask about."""
+"""Those that a limit may apply to."""

@@ -128,7 +128,7 @@ def distance_from_half_critical(ratio: FloatArray) -> FloatArray:
 
 
 def _with_tubes(r: LineResponse) -> list[int]:
-    """Return the shafts, from 0, that have a tube: nobody misses the wall of others."""
+    """Return the shafts, from 0, that have a tube: the wall of others is not needed."""
     return [k for k, s in enumerate(r.line.shafts) if s.tube is not None]
 
 

@@ -1,4 +1,4 @@
-"""What the vehicle asks of a line: torque, speed, axle loads, where the axle is."""
+"""What the vehicle requires of a line: torque, speed, axle loads, where the axle is."""
 
 from typing import Any
 
@@ -47,7 +47,7 @@ def _suspended(r: LineResponse) -> tuple[Part, ...]:
 
 
 def _axles(r: LineResponse) -> tuple[Part, ...]:
-    """Return the vehicle's axles, told by its first line."""
+    """Return the vehicle's axles, by its first line."""
     vehicle, lines = r.application.vehicle, r.application.lines
     if vehicle is None or r.line.name != lines[0].line.name:
         return ()
