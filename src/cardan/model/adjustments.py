@@ -67,7 +67,7 @@ class Adjustment:
     """A kind of thing that may be moved. Lengths in m, angles in rad.
 
     `move` enters the amounts (V,) of one part, from 1, into what is moved; `count` is how
-    many parts a line has. `reach` is how far it may go where nobody says: house practice,
+    many parts a line has. `reach` is how far it may go if not given: engineering judgement,
     assumed. `choice` marks what is set at the ends of its range, not between; `fitted` what
     takes other parts, so that it moves only where the file says so.
     """
@@ -85,7 +85,7 @@ class Adjustment:
     available_range: Callable[[Line], tuple[float, float]] = lambda _: (-np.inf, np.inf)
     """How far a line lets it go."""
     resolution: float = 0.0
-    """Steps a workshop sets where nobody says others: packing plates, wedges. House practice,
+    """Steps a workshop sets if not given: packing plates, wedges. Engineering judgement,
     assumed; 0: any."""
     extremes_only: bool = False
     explicit_only: bool = False

@@ -69,7 +69,7 @@ class VehicleState:
     `kind` says how the suspension places the axle; None leaves the geometry as given.
     `travel` places the axle by hand instead (rise from the reference state), `pitch` turns
     it (from the reference state, positive as the pinion's nose rises, whichever way it
-    faces). What is given here replaces what the vehicle would ask: `layouts` by line name,
+    faces). What is given here replaces what the vehicle would require: `layouts` by line name,
     torque and speed (of the gearbox output, from which each line has its share).
     """
 
@@ -148,7 +148,7 @@ class DutyCycle:
 def duty_cycle_points(
     cycle: DutyCycle, *, torque: NewtonMetre, speed: RadianPerSecond
 ) -> tuple[DutyPoint, ...]:
-    """Return what a duty cycle asks of one vehicle.
+    """Return what a duty cycle requires of one vehicle.
 
     Parameters
     ----------
@@ -281,7 +281,8 @@ class ApplicationSourceText:
     numbers
         Every number of the design by its address, in the text's units, as read.
     single
-        The numbers beside the design, of limits and ranges, which have no variants in arrays.
+        The numbers in addition to the design, of limits and ranges, which have no variants in
+        arrays.
     beside
         The files that the text names, and that were read with it.
     application
@@ -356,7 +357,7 @@ class Application:
     wheels: WheelRotors | None = None
     launches: tuple[Launch, ...] = ()
     variants: VariantStudy | None = None
-    """What a study of the application's variants asks."""
+    """What a study of the application's variants computes."""
     report: ReportIdentification = ReportIdentification()
     """What its reports say of customer, drawing and signatures."""
     placeholders: tuple[str, ...] = ()
@@ -388,7 +389,7 @@ class Application:
 
     @property
     def has_rotor_data(self) -> bool:
-        """Whether it says what turns and springs beside its lines, or how it starts from rest."""
+        """Whether it says what turns and springs around its lines, or how it starts from rest."""
         parts = (
             self.torsion, self.clutch, self.dual_mass_flywheel, self.converter, self.inter_axle,
             self.wheels,
@@ -399,7 +400,7 @@ class Application:
 def missing_state_kinds(application: Application) -> tuple[str, ...]:
     """Return the kinds of state that the limits apply to, and that the application lacks.
 
-    Nothing of a machine or a bare line: no axle of theirs rides on springs.
+    Nothing of a machine or a bare line: no axle of these rides on springs.
     """
     if application.vehicle is None and application.suspension is None:
         return ()

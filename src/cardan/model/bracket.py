@@ -43,7 +43,7 @@ def _at_most(
 ) -> None:
     """Refuse a length of which so many times do not fit, with what there is room for, and why."""
     if not times * value <= room * (1 + _EQUAL):
-        # What is told must fit as it stands, so it is cut, not rounded.
+        # What is reported must fit as it stands, so it is cut, not rounded.
         fits = (max(room / times, 0.0) / mm * 100 + 1e-6) // 1 / 100
         msg = (
             f"{name} of {part} is {value / mm:g} mm, but may be {fits:g} mm, by {why}: lower it, "
@@ -277,7 +277,7 @@ class BracketRecording:
     strain : (t, g)
         Of the bracket's gauges; None where the force is known.
     read
-        Whether its forces are known by the bracket's gauges alone, whoever read them back.
+        Whether its forces are known by the bracket's gauges alone, however they were read back.
     """
 
     name: str
@@ -337,7 +337,7 @@ def default_bolt_preload(hole: Metre) -> float:
     """Return the force (N) that tightens a bolt of class 8.8 in a hole: 27.3 kN for an M10 in 11.
 
     470 MPa on its stress area, 0.58 d², its thread a tenth smaller than its hole. Source: VDI 2230
-    part 1 (2015), table A1 at a friction of 0.12, from memory.
+    part 1 (2015), table A1 at a friction of 0.12, quoted, unverified.
     """
     return 470e6 * 0.58 * (hole / 1.1) ** 2
 
@@ -355,11 +355,11 @@ class OptimisationSpace:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bracket:
-    """A bracket to be judged: shape, material, what it carries, what is asked of it.
+    """A bracket to be assessed: shape, material, what it carries, what it has to bear.
 
     `carried_mass` rides on the bearing; `rubber` is the stiffness between it and the seat
     along x, y, z (N/m), None for a rigid one. `bearing` counts the line's centre bearings
-    from 1. `reinforced` is the same bracket with another shape, shown beside it.
+    from 1. `reinforced` is the same bracket with another shape, shown next to it.
     """
 
     shape: Shape
@@ -371,7 +371,7 @@ class Bracket:
     loss: float = DEFAULT_BRACKET_LOSS_FACTOR
     """Share of its energy that it loses in a radian."""
     loss_assumed: bool = True
-    """Whether nobody said so."""
+    """Whether it is not given."""
     gauges: tuple[BracketStrainGauge, ...] = ()
     cases: tuple[BracketLoadCase, ...] = ()
     recordings: tuple[BracketRecording, ...] = ()

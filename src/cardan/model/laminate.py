@@ -114,7 +114,7 @@ def metal_ply(material: Material, *, thickness: Metre) -> Ply:
     Raises
     ------
     DesignError
-        If the material has no yield strength: nobody could say what it carries.
+        If the material has no yield strength: it is unknown what it carries.
     """
     Re = material.yield_strength
     if Re is None:
@@ -153,7 +153,7 @@ class OrientedPly:
 class CompositeTube:
     """A tube wound of plies, or of plies on metal.
 
-    It has what a `Tube` has, so that whirl, torsion and loads need not ask which it is.
+    It has what a `Tube` has, so that whirl, torsion and loads need not know which it is.
     Numbers of its plies may be arrays (...): variants.
 
     Attributes

@@ -12,7 +12,7 @@ MetalKind: TypeAlias = Literal[
     "steel", "cast steel", "ductile iron", "malleable iron", "grey iron",
     "aluminium", "cast aluminium", "magnesium", "other",
 ]  # fmt: skip
-"""Kinds of metal, by which codes tell apart what bears in fatigue."""
+"""Kinds of metal, that codes distinguish in fatigue."""
 METAL_KINDS: tuple[MetalKind, ...] = get_args(MetalKind)
 _STEEL = 180 * GPa
 """No steel is softer: cast irons have up to 176, titanium 115, aluminium 70."""
@@ -30,9 +30,9 @@ class Material:
     ultimate_strength: Pascal | None = None
     fatigue_shear: Pascal | None = None
     kind: MetalKind | None = None
-    """What metal it is, where somebody said so."""
+    """What metal it is, if given."""
     welded_yield: Pascal | None = None
-    """Yield strength beside a weld, where its heat lowers it."""
+    """Yield strength next to a weld, where its heat lowers it."""
     source: Source = SOURCE_ASSUMED
 
     def __post_init__(self) -> None:
@@ -55,7 +55,7 @@ class Material:
 
     @property
     def yield_strength_at_weld(self) -> Pascal | None:
-        """Yield strength beside a weld; None where it is lower, and nobody said by how much."""
+        """Yield strength next to a weld; None if it is lower by an unknown amount."""
         return self.welded_yield if self.weld_softens else self.yield_strength
 
 

@@ -292,7 +292,7 @@ class Shaft:
     yoke_inertia: float = 0.0
     """Of both yokes together, about the axis."""
     yoke_inertias: tuple[float, float] | None = None
-    """Of the front and of the rear yoke, where they are told apart."""
+    """Of the front and of the rear yoke, if they differ."""
     tube_length: Metre | None = None
     """Of the tube between its yokes, which are stiff in torsion; None: the whole length."""
     polar_inertia_given: float | None = None
@@ -316,7 +316,7 @@ class Shaft:
 
     @property
     def torsional_flexibility(self) -> float:
-        """L / G J of the tube between its yokes, rad/(N m); 0 where nobody tells it."""
+        """L / G J of the tube between its yokes, rad/(N m); 0 if not given."""
         if self.tube is None or (isinstance(self.length, float) and isnan(self.length)):
             return 0.0
         return (self.tube_length or self.length) / self.tube.torsional_stiffness

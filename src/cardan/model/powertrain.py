@@ -1,6 +1,6 @@
-"""What turns and springs between engine and road, beside the line itself. All SI.
+"""What turns and springs between engine and road, besides the line itself. All SI.
 
-Every number may be None: nobody has said. What is assumed for it is not the parts' business.
+Every number may be None: not given. What is assumed for it is not the parts' business.
 """
 
 import itertools

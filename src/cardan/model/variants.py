@@ -1,4 +1,4 @@
-"""Variants of an application: what varies, what scatters, and what is asked of all of them."""
+"""Variants of an application: what varies, what scatters, and what is computed of all of them."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import field
@@ -11,7 +11,7 @@ VariationKind: TypeAlias = Literal["range", "choice", "grid", "normal", "uniform
 ParetoObjective: TypeAlias = Literal["margin", "cost", "mass"]
 
 MAX_VARIANTS = 100_000_000
-"""Variants that are asked, or foretold, at most."""
+"""Variants that are evaluated, or predicted, at most."""
 
 MAX_GRID_POINTS = 100_000
 """Places of all grids crossed, at most: each shard holds them all."""
@@ -53,16 +53,16 @@ class VariedNumber:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VariantOutputs:
-    """What is asked of variants, beside how many come to each verdict.
+    """What is computed of variants, in addition to how many come to each verdict.
 
     Attributes
     ----------
     yield_
-        Whether the share that may be built is told, with its interval of `confidence`.
+        Whether the share that may be built is computed, with its interval of `confidence`.
     quantiles
         Of every limit's value and margin.
     worst
-        How many of the worst variants are told with all that varied in them.
+        How many of the worst variants are reported with all that varied in them.
     sobol
         Whether variance is shared out to what varies.
     pareto
@@ -74,9 +74,9 @@ class VariantOutputs:
     limits
         Quantities whose limits count; all where none is named.
     rare
-        Whether limits that variants hardly ever fail are asked how often they do.
+        Whether the failure rate of limits that variants hardly ever fail is computed.
     foretold
-        How many variants more are foretold from those asked, for the yield.
+        How many variants more are predicted from those evaluated, for the yield.
     rows
         Whether each variant is kept, and in which precision.
     """
@@ -102,7 +102,7 @@ class VariantOutputs:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class VariantStudy:
-    """A study of variants: what is chosen, what scatters about that, and what is asked.
+    """A study of variants: what is chosen, what scatters about that, and what is computed.
 
     `vary` and `tolerances` go by the address of a number, or the key of something that can
     be moved; `[*]` stands for every part. `correlated` are pairs of names of tolerances with

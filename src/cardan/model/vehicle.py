@@ -39,7 +39,7 @@ class Engine:
     speed: tuple[RadianPerSecond, ...]
     torque: tuple[NewtonMetre, ...]
     brake_torque: NewtonMetre | None = None
-    """Engine brake or retarder torque at the crankshaft, for coast; None where not known."""
+    """Engine brake or retarder torque at the crankshaft, for overrun; None where not known."""
     inertia: float | None = None
     """With flywheel and clutch cover, kg m²."""
     displacement: float | None = None
@@ -100,7 +100,7 @@ class Gearbox:
     reverse_ratio: float | None = None
     """Engine speed over output speed in reverse; None where unknown, or nothing reverses."""
     retarder_torque: NewtonMetre | None = None
-    """Torque of a retarder at the gearbox output, for coast; None where not known."""
+    """Torque of a retarder at the gearbox output, for overrun; None where not known."""
     rotors: GearboxRotors = field(default_factory=GearboxRotors)
 
     def __post_init__(self) -> None:
@@ -160,7 +160,7 @@ class LoadState:
     """How the vehicle is loaded: mass and centre of gravity, or the axle loads themselves.
 
     `rear_load` is that of the whole rear group (a single axle or a bogie), `front_load`
-    that of all front axles; a vehicle's auxiliary axles carry their own load beside them.
+    that of all front axles; a vehicle's auxiliary axles carry their own load in addition.
     With a mass one of the two is enough. Without `cg_height` nothing is transferred under
     traction.
     """
@@ -335,7 +335,7 @@ class Suspension:
     """What moves the axle: springs, linkage, wind-up.
 
     `reference` names the state in which the driveline's geometry is given. Stiffness in
-    wind-up is N m/rad. Deflections of full rebound and jounce replace what follows from the
+    wind-up is N m/rad. Deflections of full rebound and bump replace what follows from the
     spring, where check strap or bump stop act first. `unsprung_mass` is that of one axle
     with its wheels.
     """
