@@ -544,7 +544,7 @@ class CatalogueCsvFile:
                 del reading.problems[noted:]
 
     def check(self, reading: TableReadContext, above: Sequence["CatalogueCsvFile"] = ()) -> None:
-        """Note whatever is wrong in the sheet, also beside those read before it."""
+        """Note whatever is wrong in the sheet, also next to those read before it."""
         if "name" not in self.header:
             message = "the first line must name the columns, and one of them is name"
             NodeReader(Mapping(1, 1), "", reading).add_issue(message)

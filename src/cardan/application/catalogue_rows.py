@@ -49,7 +49,7 @@ class CatalogueRow:
 
 
 def rows_of_catalogue(name: str, catalogue: Catalogue | None = None) -> tuple[CatalogueRow, ...]:
-    """Return the rows of a shelf, the user's own first."""
+    """Return the rows of a kind of part, the user's own first."""
     of = catalogue or Catalogue()
     what = PART_KIND_OR_FILE_BY_CATALOGUE_NAME[name]
     if what.endswith(".csv"):

@@ -349,7 +349,7 @@ def compare_joint_reserve(of: RelationContext) -> ComparedValues:
 
 
 def compare_double_cardan_distance(of: RelationContext) -> ComparedValues:
-    """Distance of the crosses of a double cardan joint over the diameter of the tube beside it."""
+    """Distance of the crosses of a double cardan joint over the diameter of the tube next to it."""
     for line in of.lines:
         shafts = [shaft for _, shaft, _ in line.shafts]
         for k, joint in enumerate(line.installed.line.joints, 1):
@@ -521,7 +521,7 @@ def _equivalent_angle(line: LineContext, *, phases: FloatArray) -> FloatArray:
 
 
 def compare_lost_sign(of: RelationContext) -> ComparedValues:
-    """Bend beside a member that would lie straight if its slope had another sign, deg."""
+    """Bend next to a member that would lie straight if its slope had another sign, deg."""
     for line in of.lines:
         given = [(line.at, line.installed.layout)]
         for k, state in enumerate(of.application.states, 1):

@@ -65,7 +65,7 @@ _ONE_STIFFNESS = (("stiffness", "vertical_stiffness"), ("stiffness", "lateral_st
 
 
 def _pair(table: "CentreBearingTable | FlangeTable") -> tuple[float, float] | None:
-    """Return vertical and lateral stiffness, N/m, alike or told apart; None where it is rigid."""
+    """Return vertical and lateral stiffness, N/m, one value or two; None if it is rigid."""
     if table.stiffness is not None:
         return table.stiffness, table.stiffness
     vertical, lateral = table.vertical_stiffness, table.lateral_stiffness
@@ -570,7 +570,7 @@ class LineTable(GeometryTable):
         )
 
     def _shaft(self, k: int, between: float) -> Shaft:
-        """Return shaft k from 0; where nobody gives its length the points do, m."""
+        """Return shaft k from 0; without a given length from the points, m."""
         table = self.shafts[k]
         if self._bare:
             shaft = table.shaft(nan)
@@ -602,7 +602,7 @@ class LineTable(GeometryTable):
 
     @property
     def _bare(self) -> bool:
-        """Whether nobody gives a length: slopes alone tell how the line turns."""
+        """Whether no length is given: slopes alone define how the line turns."""
         return self.points is None and all(s.length is None for s in self.shafts)
 
     def _laid_out(self) -> Layout:
@@ -614,7 +614,7 @@ class LineTable(GeometryTable):
     def _complete(self) -> None:
         """Refuse shafts without a length, hanging on nothing, or a last one that hangs.
 
-        Where none has a length, a protractor went under the vehicle and nothing else is told.
+        Where none has a length, a protractor went under the vehicle and nothing else is known.
         """
         *hung, last = self.shafts
         for shaft in self.shafts if not self._bare else ():

@@ -39,7 +39,7 @@ class EnteredValue:
 def entered_values(application: Application) -> tuple[EnteredValue, ...]:
     """Return all that an application's file says, in its order; nothing where it has no file.
 
-    Numbers of a catalogue's part stand in no file: of those only what was changed is told.
+    Numbers of a catalogue's part stand in no file: of those only what was changed is listed.
     """
     written = application.written
     if written is None:

@@ -45,7 +45,7 @@ def application_text_from_form(form: FormData, *, decimal: str = ".") -> str:
         the right, or ahead and to the left where `axes` is "front".
     decimal
         What the language of the form writes before decimals. The other sign before three
-        digits may be one of thousands: nobody guesses, both readings are named.
+        digits may be one of thousands: both readings are named, and none is chosen.
 
     Raises
     ------

@@ -151,7 +151,7 @@ class GeometryTable(Table):
 
     def _summed(self, joints: int, reference: Layout | None) -> tuple[FloatArray, FloatArray]:
         """Slopes of every member from the joint angles, (..., members) rad."""
-        assert self.joint_angles is not None  # asked for where it is given
+        assert self.joint_angles is not None  # used only if given
         views = self.joint_angles.angles(*(f"joint {k}" for k in range(1, joints + 1)))
         start: tuple[ArrayLike, ArrayLike] = self.gearbox_slope or (0.0, 0.0)
         if self.gearbox_slope is None and reference is not None:

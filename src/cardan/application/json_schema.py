@@ -7,7 +7,7 @@ def application_schema() -> dict[str, Any]:
     """Return the schema (draft 2020-12) that editors complete and check application files by.
 
     It knows every key with its units and bounds. What needs arithmetic, or a look into a
-    catalogue, only `read` can tell.
+    catalogue, only `read` can check.
     """
     from cardan.application.reader import ApplicationTable
 

@@ -18,7 +18,7 @@ from cardan.model.layout import Layout
 from cardan.model.parts import CentreBearing, Line
 
 ROUNDING_STEP_SI_BY_QUANTITY = {"length": 0.01 * mm, "slope": 1e-3 * deg}
-"""What a written number is rounded to: a tenth of what anybody can measure in a frame."""
+"""What a written number is rounded to: a tenth of what can be measured in a frame."""
 
 FileChanges = dict[str, float | str | list[Any]]
 """By address, in the unit of its key."""
@@ -143,7 +143,7 @@ def yaml_address_of_part_name(
 
 
 def round_in_unit(value: float, unit: str, sort: str) -> float:
-    """Return a value in SI in a unit, without the digits nobody can measure."""
+    """Return a value in SI in a unit, without digits beyond any measurement."""
     worth = UNITS[unit]
     decimals = max(0, int(np.ceil(-np.log10(ROUNDING_STEP_SI_BY_QUANTITY[sort] / worth) - 1e-9)))
     return round(value / worth, decimals) + 0.0

@@ -1,7 +1,7 @@
-"""A limit of a profile changed for one application: what the file says then, and who signs.
+"""A limit of a profile changed for one application: the file's text, and who is responsible.
 
 The profile stays what it is. The file takes over every limit of that quantity, one of them with
-other bounds and a source that tells from what it deviates, why, who answers for it and since when.
+other bounds and a source that says from what it deviates, why, who is responsible and since when.
 """
 
 from collections.abc import Sequence
@@ -19,12 +19,12 @@ from cardan.core.verdict import Limit
 DEVIATION_RECORD_NAME_IN_ERRORS = "deviation"
 
 LIMIT_SOURCE_SIGNATORY_SEPARATOR = "; signed "
-"""What a source says before the name of who answers for it."""
+"""What a source says before the name of the person responsible."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LimitDeviationRecord:
-    """Other bounds of a limit, in the unit its quantity is shown in, and who answers for them."""
+    """Other bounds of a limit, in the unit its quantity is shown in, and the person responsible."""
 
     normal: float | None
     maximum: float | None

@@ -149,7 +149,7 @@ class LimitTable(Table):
             self.reader_of("normal").reject(message, hint, got=f"{first:g}")
 
     def _alone(self) -> None:
-        """Refuse a band that falls, and one beside other bounds: each asks for itself."""
+        """Refuse a band that falls, and one with other bounds: each is a limit of its own."""
         if self.band is None:
             return
         first, last = self.band

@@ -46,7 +46,7 @@ def change(
         By address, in the unit of its key. Arrays are variants: all must be as long, and
         what follows from them is (V, ...).
     warn
-        Whether to ask what looks wrong besides.
+        Whether to look for implausible values too.
 
     Raises
     ------

@@ -22,7 +22,7 @@ def parse_number_of_unknown_locale(said: str) -> float | None:
     """Return the number that was typed; None where it is none.
 
     A comma is a decimal sign where it stands alone: 3,5 is 3.5. With both signs the last one
-    is: 1.234,5 and 1,234.5 are the same. 1,234 is 1.234: nobody's thousand is guessed.
+    is: 1.234,5 and 1,234.5 are the same. 1,234 is 1.234: no thousand is guessed.
 
     >>> number("3,5"), number("1 234.5"), number("1.234,5"), number("-0,2°"), number("about 3")
     (3.5, 1234.5, 1234.5, -0.2, None)
@@ -60,7 +60,7 @@ def parse_localised_number(said: str, *, decimal: str) -> float:
     Raises
     ------
     ValueError
-        If there is none, or may be another: nobody guesses, both readings are named.
+        If there is none, or may be another: both readings are named, and none is chosen.
     """
     if either := interpretations_of_ambiguous_number(said, decimal=decimal):
         msg = "decimals or thousands? write {} or {}".format(*either)

@@ -131,13 +131,13 @@ def compare_part_powers(of: RelationContext) -> ComparedValues:
 
 
 def compare_coast_torque(of: RelationContext) -> ComparedValues:
-    """Coast torque over the engine's torque in its lowest gear."""
+    """Overrun torque over the engine's torque in its lowest gear."""
     value = ratio(of.application.coast_torque or None, of.largest_torque)
     yield ComparedValue(("coast_torque",), value, ("engine.torque", "gearbox.ratios"))
 
 
 def compare_coast_over_drive(of: RelationContext) -> ComparedValues:
-    """Coast torque over the torque that drives, both as the file gives them."""
+    """Overrun torque over the torque that drives, both as the file gives them."""
     value = ratio(of.application.coast_torque, of.application.torque or None)
     yield ComparedValue(("coast_torque",), value, ("torque",))
 

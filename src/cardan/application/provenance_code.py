@@ -42,5 +42,5 @@ ProvenanceCode: TypeAlias = Annotated[
 def with_provenance_code(
     source: Source, read: tuple[str, tuple[tuple[str, str], ...]] | None
 ) -> Source:
-    """Return a source with how its numbers were read, where somebody said."""
+    """Return a source with how its numbers were read, if given."""
     return source if read is None else replace(source, how_read=read[0], apart=read[1])

@@ -105,7 +105,7 @@ def read(
     """Return the application a file describes, in SI.
 
     Profiles, catalogues and STEP files that it names must lie in its own folder, unless
-    `allow_outside`: a file from somebody else is not to look around on this machine. `beside`
+    `allow_outside`: a file from outside must not read other files on this machine. `beside`
     is given each that is looked up.
 
     Raises
@@ -133,7 +133,7 @@ def loads(
     """Return the application a text describes; `read` is the same for a file.
 
     `name` is what errors call the text. Profiles and catalogues of the user's own are files
-    in `folder`; a text without one stands alone. Without `warn` nobody asks whether what can
+    in `folder`; a text without one stands alone. Without `warn` it is not checked whether what can
     be read looks wrong. `beside` is given each file that is looked up, whatever comes of it.
     """
     written = ApplicationSourceText(
@@ -181,7 +181,7 @@ def read_source_text(
 
 @lru_cache(4)
 def _parsed(text: str, name: str) -> tuple[Node, tuple[FileIssue, ...]]:
-    """Return the tree of a text, which nobody changes; it may be read again with other numbers."""
+    """Return the tree of a text, never changed; it may be read again with other numbers."""
     root, problems = parse_yaml(text, name)
     return root, tuple(problems)
 
@@ -199,7 +199,7 @@ def catalogue_of_application(application: Application) -> Catalogue:
 
 
 def _warnings(application: Application, reading: TableReadContext) -> tuple[FileIssue, ...]:
-    """Return what looks wrong, by itself or beside other numbers, in the file's order."""
+    """Return what looks wrong, by itself or next to other numbers, in the file's order."""
     odd = {w.key for w in reading.warnings}  # by itself: enough said
     numbers = {**reading.numbers, **reading.fixed_numbers}
     beside = (w for w in plausibility_warnings(application, numbers) if w.key not in odd)
@@ -214,7 +214,7 @@ def _unknown(address: str, known: Iterable[str]) -> FileIssue:
     )
 
 
-# --------------------------------------------------------------------------- files beside
+# --------------------------------------------------------------------------- other files
 
 
 def _note(error: InvalidFileError, here: NodeReader) -> None:
@@ -250,7 +250,7 @@ def _sheets(root: Node, reading: TableReadContext) -> Iterator[CatalogueCsvFile]
 
 
 class LimitProfileNameField(TextField):
-    """A profile that comes with this package, or the file of one beside the application."""
+    """A profile that comes with this package, or the file of one next to the application."""
 
     singular, plural = "a limit profile", "limit profiles"
 
@@ -668,7 +668,7 @@ class ApplicationTable(Table):
         return replace(gearbox or DIRECT_DRIVE, converter_ratio=stall)
 
     def _torsion(self) -> GearboxAndAxleRotors | None:
-        """Return what the first plan's table says, refused beside parts of their own."""
+        """Return what the first plan's table says, refused together with its own parts."""
         if self.torsion is not None:
             for name in ("clutch", "dual_mass_flywheel", "converter", "inter_axle", "wheels"):
                 if self.has(name):
@@ -762,7 +762,7 @@ class ApplicationTable(Table):
     def _hold_the_amount(
         self, lines: tuple[InstalledLine, ...], states: tuple[VehicleState, ...]
     ) -> None:
-        """Refuse an application of which nobody could read the answer, nor wait for it."""
+        """Refuse an application too large to compute or to read its results."""
         shafts = sum(len(installed.line.shafts) for installed in lines)
         checks = len(states) * shafts * max(len(self.obstacles), 10)
         if checks > MAX_CHECKS:

@@ -48,7 +48,7 @@ def _given(application: Application, address: str) -> SourceLocation | None:
 def error_with_location(error: CardanError, application: Application, file: str | Path) -> str:
     """Return an error's message with file, line, column and key, as far as they are known.
 
-    A design that turns out impossible (a joint locks, a link is too short) is told like
+    A design that turns out impossible (a joint locks, a link is too short) is reported like
     anything else that is wrong in a file: `truck.yaml:47:27: suspension.linkage: a link ...`.
     """
     if isinstance(error, InvalidFileError):

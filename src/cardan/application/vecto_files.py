@@ -109,7 +109,7 @@ class VectoPart:
         return given if isinstance(given, dict) else {}
 
     def file(self, key: str, table: Mapping[str, Any] | None = None) -> Path | None:
-        """Return the path of a file that a key names, beside this one; None if it names none.
+        """Return the path of a file that a key names, next to this one; None if it names none.
 
         The file need not exist. Names are those of a system that ignores case.
         """
