@@ -2,7 +2,7 @@
 
 A file that is replaced keeps its permissions, a link keeps pointing where it points, and
 what is no regular file, a pipe or a terminal, is written into and stays what it is. What
-is written appears at once under its name: until then it stands beside it as a part, whose
+is written appears at once under its name: until then it stands next to it as a part, whose
 name says who is writing it.
 """
 
@@ -21,7 +21,7 @@ from pathlib import Path
 from cardan.core.errors import FileIssue, InvalidFileError
 
 STALE_PART_AGE_S = 3600.0
-"""s: a part that nobody has written to for longer belongs to nobody."""
+"""s: a part not written to for longer has no owner."""
 
 _PROGRAM = Path(os.path.realpath(__file__)).parents[1]
 """Profiles and catalogues that come with the program are read from there."""
@@ -33,7 +33,7 @@ OUTPUT_ENDINGS = {
     "--step": (".step", ".stp"), "--inp": (".inp",), "--bdf": (".bdf", ".nas"),
     "--sarif": (".sarif", ".json"),
 }  # fmt: skip
-"""Endings of what an option writes; an ending that is of no option here is anybody's."""
+"""Endings of what an option writes; any other ending is accepted."""
 
 _KNOWN_ENDINGS = frozenset(e for endings in OUTPUT_ENDINGS.values() for e in endings)
 
@@ -150,7 +150,7 @@ def check_output_paths(
 def same_file(one: Path, other: Path) -> bool:
     """Return whether two names are one file, through links of any kind and either case.
 
-    A terminal or a null device is nobody's: two may write into it.
+    A terminal or a null device has no owner: two may write into it.
     """
     with suppress(OSError):
         if stat.S_ISCHR(one.stat().st_mode):
@@ -255,7 +255,7 @@ def _stream(descriptor: int, data: Iterable[bytes]) -> None:
 
 
 def _settle(target: Path, data: Iterable[bytes], *, replace: bool) -> None:
-    """Write a part beside a file and let it take its place."""
+    """Write a part next to a file and let it take its place."""
     if not replace and target.exists():
         raise FileExistsError
     _writable(target)
@@ -304,7 +304,7 @@ def _appear(part: Path, target: Path) -> None:
 
 
 def _remember(folder: Path) -> None:
-    """Let a new name survive a power cut, where folders can be asked to."""
+    """Let a new name survive a power cut, where folders can be synchronised."""
     with suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:
@@ -315,7 +315,7 @@ def _remember(folder: Path) -> None:
 
 @cache
 def _computer() -> str:
-    """Return what tells parts of this computer from another's that writes to the same disk."""
+    """Return what distinguishes parts of this computer from those of another on the same disk."""
     import platform
 
     return f"{zlib.crc32(platform.node().encode()):08x}"
@@ -332,7 +332,7 @@ def _sweep(folder: Path) -> None:
 
 
 def _stale(entry: "os.DirEntry[str]", *, host: str, process: int) -> bool:
-    """Return whether nobody writes to a part any more."""
+    """Return whether a part is no longer being written."""
     with suppress(OSError):
         if time.time() - entry.stat(follow_symlinks=False).st_mtime > STALE_PART_AGE_S:
             return True

@@ -48,7 +48,7 @@ class Field:
     node_types: tuple[type[Node], ...] = (Scalar,)
     units: dict[str, float] = {}  # noqa: RUF012  SI values of the units a key may end in
     usual: tuple[float, float] | None = None
-    """Magnitudes (SI) nobody wonders at; outside them a unit may be wrong."""
+    """Usual magnitudes (SI); outside them a unit may be wrong."""
     json: JsonSchema = {}  # noqa: RUF012  read only
 
     def read(self, here: NodeReader) -> Any:
@@ -198,8 +198,8 @@ class NumberField(Field):
 class IntegerField(Field):
     """A whole number from 1 on, of things there are only so many of.
 
-    From `told` on, people are told; what was once allowed below it is read, for its table to
-    warn of.
+    `told` is the least value that messages name; what was once allowed below it is read, for its
+    table to warn of.
     """
 
     def __init__(self, most: int = 1000, *, told: int = 1) -> None:
@@ -369,7 +369,7 @@ class MappingField(Field):
 
 
 class UnionField(Field):
-    """Several rules, told apart by how YAML writes what they read."""
+    """Several rules, distinguished by how YAML writes what they read."""
 
     def __init__(self, *rules: Field) -> None:
         self.alternatives = rules

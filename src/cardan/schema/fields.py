@@ -4,7 +4,7 @@ Each is a float to the program and a choice of units to the file: a key declared
 ends in `_mm`, `_m` or `_in`. Two ranges go with it. Outside its bounds a number is refused:
 they hold a model car's shaft and a ship's, with room on either side, and keep out what no
 driveline has and no arithmetic bears (a shaft of a thousandth of a millimetre). Outside the
-usual range a reader is asked whether the unit is meant: that one holds the vehicles of every
+usual range a warning doubts the unit: that one holds the vehicles of every
 day, vans to mining trucks. Both are our own judgement.
 """
 
@@ -106,7 +106,7 @@ ObstacleCoordinates: TypeAlias = Annotated[
         "z",
     ),
 ]
-"""Of what stands beside a line; a point of a bracket may lie closer to its origin."""
+"""Of what stands next to a line; a point of a bracket may lie closer to its origin."""
 JointCoordinates: TypeAlias = Annotated[
     tuple[tuple[float, float, float], ...],
     ListField(

@@ -27,7 +27,7 @@ from cardan.schema.yaml_tree import (
 T = TypeVar("T")
 
 MAX_ISSUES = 100
-"""Problems in a file before reading it further helps nobody."""
+"""Problems in a file before reading it further is useless."""
 
 
 class TooManyIssuesError(Exception):
@@ -43,7 +43,7 @@ FileChangeStamp: TypeAlias = tuple[int, int, int]
 
 
 def file_stamp(path: Path) -> FileChangeStamp:
-    """Return what tells a file from what it was before, without reading it."""
+    """Return what distinguishes a file from what it was before, without reading it."""
     try:
         status = path.stat()
     except (OSError, ValueError):
@@ -123,7 +123,7 @@ class NodeReader:
 
         `units` are those of its dimension, SI, for the hint.
 
-        Kept under its address, and changed where a change asks for that: then it may be
+        Kept under its address, and changed where a change requires that: then it may be
         an array of variants, (V, 1).
         """
         if not isinstance(self.node, Scalar):
@@ -193,7 +193,7 @@ class NodeReader:
 
 
 def nearest_name_hint(name: str, names: Iterable[str]) -> str:
-    """Return advice on a name nobody knows: the nearest known one, or all there are."""
+    """Return advice on an unknown name: the nearest known one, or all there are."""
     return nearest_name(name, names)[1]
 
 

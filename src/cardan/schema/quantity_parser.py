@@ -17,7 +17,7 @@ _DASHES = "\u2212\u2013\u2014"
 _PRIME = "['\u2032\u2019\u2018\u00b4\u02b9\u02bc\uff07`]"
 """What stands for minutes: the prime, and what keyboards and fonts make of it."""
 _DEGREE_SIGN = "[\u00b0\u00ba\u02da\u25e6]"
-# Texts, and compiled where one is asked: most files hold plain numbers alone.
+# Texts, and compiled where one is needed: most files hold plain numbers alone.
 _DEGREES = (
     rf"(?i)([-+{_DASHES}]?)\s*(?:{_COUNT}\s*(?:{_DEGREE_SIGN}|deg|degrees?|graus?|gradi)\s*)?"
     rf"(?:{_COUNT}\s*(?:{_PRIME}(?!{_PRIME})|min)\s*)?"

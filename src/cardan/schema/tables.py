@@ -15,8 +15,8 @@ errors with line, column and advice, and the JSON Schema that editors use. An an
 `Annotated[Tube, TubeTable]` is a nested table that has become a tube by the time the outer
 table is built, so every part is tried by itself and a file's errors are found all at once.
 
-Annotations understood: float, int, str, bool, Literal, tuple, dict, tables, unions told
-apart by how YAML writes them, None for a key that may be left out, and Annotated with a
+Annotations understood: float, int, str, bool, Literal, tuple, dict, tables, unions
+distinguished by how YAML writes them, None for a key that may be left out, and Annotated with a
 `Field` or a table.
 """
 
@@ -125,7 +125,7 @@ class Table:
         """Return what the table describes; by default itself, for an outer table to use."""
         return self
 
-    # What fits the declarations can still make no sense. For `build`, and whoever uses it:
+    # What fits the declarations can still make no sense. For `build`, and its callers:
 
     def reader_of(self, name: str = "", item: int | None = None) -> NodeReader:
         """Return the place of an entry, of one of its items from 1, or of the whole table."""
@@ -432,7 +432,7 @@ def _numbers_in(value: Any) -> list[float]:
 def _doubt(entry: FieldSpec, value: Any, here: NodeReader) -> None:
     """Warn where a number would be an everyday one in another unit.
 
-    Of a list the largest number counts: small ones beside it are what they are.
+    Of a list the largest number counts: small ones next to it are what they are.
     """
     if entry.field.usual is None:
         return

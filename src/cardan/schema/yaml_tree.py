@@ -379,7 +379,7 @@ class _TreeBuilder:
 
 
 # What ends a line for libyaml and for no editor, what is no character at all, what turns the
-# order of the characters around it, and what nobody sees: Unicode's Default_Ignorable_Code_Point
+# order of the characters around it, and what is invisible: Unicode's Default_Ignorable_Code_Point
 # and the marks of annotations. Without them two names that look alike are one.
 _HIDDEN = (
     "\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufdd0-\ufdef"
@@ -403,7 +403,7 @@ def _hidden(text: str, kinds: str) -> "re.Match[str] | None":
 
 
 def reject_hidden_characters(text: str, file: str) -> None:
-    """Refuse a text with characters nobody sees, or that change how others are seen.
+    """Refuse a text with invisible characters, or that change how others are seen.
 
     Raises
     ------
@@ -415,7 +415,7 @@ def reject_hidden_characters(text: str, file: str) -> None:
 
 
 def replace_hidden_characters(text: str) -> str:
-    """Return a text of somebody else's with a space for every character nobody sees."""
+    """Return a text from outside with a space for every invisible character."""
     return to_one_line(re.sub(_HIDDEN_WRITTEN, " ", text)).strip()
 
 
