@@ -89,7 +89,7 @@ def make_components_contiguous(values: FloatArray, *, of: int = 1) -> FloatArray
 
 @lru_cache(1024)
 def broadcastable_axis_indices(shape: tuple[int, ...]) -> tuple[IntArray, ...]:
-    """Return for each axis of a shape the index that steps along it, beside the others.
+    """Return for each axis of a shape the index that steps along it, next to the others.
 
     `values[(which, *steps(which.shape))]` are, of `values` (P, ...), those at `which` (...).
     """
@@ -158,17 +158,17 @@ _ORIGINAL_BLAS_LIMITS: dict[bool, Any] = {}
 
 
 MALLOC_TRIM_VARIABLE = "MALLOC_TRIM_THRESHOLD_"
-"""The variable by which the GNU C library is told when to give memory back."""
+"""The variable that sets when the GNU C library gives memory back."""
 
 
 @contextmanager
 def retain_freed_memory() -> Generator[None, None, None]:
-    """Keep what arrays give back, in a process that was told to hand it to the system at once.
+    """Keep what arrays give back, in a process that was set to hand it to the system at once.
 
-    Dask tells its workers so: then arrays, which come and go, cost twice their time. Told where to
+    Dask sets its workers so: then arrays, which come and go, cost twice their time. Given where to
     trim, the C library no longer learns either from which size on memory is worth a mapping of its
     own: every array of 128 KiB is one, whose pages are all faulted in anew. The last of several
-    threads that are inside together goes back to what was told.
+    threads that are inside together goes back to what was set.
     """
     told = os.environ.get(MALLOC_TRIM_VARIABLE)
     if told is None or not sys.platform.startswith("linux"):
@@ -204,9 +204,9 @@ def _blas(scipys: bool) -> Any:  # noqa: FBT001  a key of the cache
     """Return what controls the threads of BLAS; to look for it takes milliseconds.
 
     While one thread looks, no other may load a library: the look holds the loader's lock and waits
-    for the interpreter, who loads holds the interpreter and waits for the loader's. A worker of a
-    cluster, with threads of which one began its first shard while another imported what its own
-    needed, stood still for ever.
+    for the interpreter, the loading thread holds the interpreter and waits for the loader's. A
+    worker of a cluster, with threads of which one began its first shard while another imported what
+    its own needed, stood still for ever.
     SciPy brings one of its own, which is there once its linear algebra is: `scipys`.
     """
     del scipys

@@ -2,7 +2,7 @@
 
     CardanError
         DesignError                 a part or a layout that cannot exist
-            OptionError             what a file asks, refused by who knows it by other words
+            OptionError             a setting of a file, refused where it has another name
         InvalidFileError            a file that cannot be read as meant: all its problems at once
         ConvergenceError            a solver stopped early
         MissingDependencyError      something optional is needed and absent
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from cardan.core.lazy_dataclass import dataclass
 
-if TYPE_CHECKING:  # the command line imports this before it tells NumPy how many threads to use
+if TYPE_CHECKING:  # the command line imports this before it sets NumPy's number of threads
     import numpy.typing as npt
 
 
@@ -37,7 +37,7 @@ class DesignError(CardanError):
 
 
 class OptionError(DesignError):
-    """What a file asks, refused by who knows it by the options of a command.
+    """A setting of a file, refused where it is known as an option of a command.
 
     `worded` puts a refusal, in any language, into the words of `file`.
     """

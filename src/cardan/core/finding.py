@@ -1,4 +1,4 @@
-"""What an analysis found, by code and values: whoever shows it has the words."""
+"""What an analysis found, by code and values: the presentation has the words."""
 
 from cardan.core.lazy_dataclass import dataclass
 

@@ -1,4 +1,4 @@
-"""Typed names: what a number is of, and when it was asked. Words are made where text is.
+"""Typed names: what a number is of, and where it applies. Words are made where text is.
 
 What a user calls a thing (an obstacle, a gauge, a state) is kept apart from what it is, so
 no name can be taken for another kind of thing.
@@ -26,7 +26,7 @@ class Part:
     """A part of a line, of its vibration or of a bracket.
 
     `number` counts from 1, or is a catalogue's letter (bearing A). `other` is what stands
-    beside it: the obstacle that a shaft must clear, the order that meets a mode, the second
+    next to it: the obstacle that a shaft must clear, the order that meets a mode, the second
     mode of a zone, the user's name of a gauge.
     """
 
@@ -63,7 +63,7 @@ WHOLE_LINE = Part("line")
 class OperatingPoint:
     """An operating point of a line: torque and speed that it has together, SI.
 
-    `direction` is drive, coast, reverse or brake; `gear` is "" where none says the torque.
+    `direction` is `drive`, `coast`, `reverse` or `brake`; `gear` is "" where none gives the torque.
     """
 
     gear: str
@@ -86,7 +86,7 @@ class OrderCrossing:
 
 @dataclass(frozen=True, slots=True)
 class EvaluationCondition:
-    """When a number was asked for: a state, a range of speed, a load case, a recording.
+    """Where a number applies: a state, a range of speed, a load case, a recording.
 
     `what` says which part of the loads of a state a load case takes: static, order 2; of a
     launch, whose name is its gear, how long its ramp is in s.

@@ -1,4 +1,4 @@
-"""Dataclasses, frozen or not, whose methods are made when they are first asked for.
+"""Dataclasses, frozen or not, whose methods are made when they are first used.
 
 The standard library compiles six methods for each class while a program starts, most of which
 no run ever calls: a quarter of the time of a whole check. Here a class costs the list of its
@@ -43,7 +43,7 @@ def dataclass(
     def made(cls: Any) -> Any:
         own = vars(cls).copy()
         of = [getattr(base, "__dataclass_params__", None) for base in cls.__mro__[1:]]
-        # The library has frozen classes inherit from frozen ones alone.
+        # The library lets frozen classes inherit only from frozen ones.
         bare: Any = dataclasses.dataclass(
             init=False,
             repr=False,

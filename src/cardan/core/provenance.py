@@ -5,7 +5,7 @@ from dataclasses import replace
 from cardan.core.lazy_dataclass import dataclass
 
 PROVENANCE_CODES = ("re-read", "by definition", "second hand", "from memory", "assumed")
-"""How somebody came to a number, the surest first: read in the publisher's own text, true by
+"""How a number was obtained, the surest first: read in the publisher's own text, true by
 what the quantity is, read in a transcription, believed to stand there, our own choice."""
 
 
@@ -13,7 +13,7 @@ what the quantity is, read in a transcription, believed to stand there, our own 
 class Source:
     """A publication or an agreement, with the place in it: `AE7.at("p. 50")`.
 
-    `how_read` is a word of `PROVENANCE_CODES`, empty where nobody said; `apart` are the values that
+    `how_read` is a word of `PROVENANCE_CODES`, empty if not given; `apart` are the values that
     were read otherwise, by name: of a limit `normal`, `maximum` or `band`, of a catalogue's
     row the key without its unit.
     """

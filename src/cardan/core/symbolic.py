@@ -10,7 +10,7 @@ the formula that it is:
     of.latex                        the same for pages that set mathematics
     of.cells(L="B4/1000", ...)      the same for a spreadsheet, of the cells that hold them
 
-So nobody writes an equation beside the code that computes it. Complex numbers are taken apart
+So no equation is written next to the code that computes it. Complex numbers are taken apart
 for a spreadsheet, which holds one in two cells: `phasor` and `pair`.
 """
 

@@ -16,7 +16,7 @@ from cardan.core.provenance import Source
 CheckGrade: TypeAlias = Literal["pass", "warn", "fail"]
 """What one check comes to."""
 Verdict: TypeAlias = Literal["pass", "warn", "incomplete", "fail"]
-"""What many come to: incomplete where nothing fails but something required has no answer."""
+"""What many come to: incomplete where nothing fails but something required is not evaluated."""
 LimitSense: TypeAlias = Literal["<=", ">="]
 
 Value = TypeVar("Value", float, FloatArray)
@@ -37,13 +37,13 @@ def worst_verdict(grades: Iterable[Verdict]) -> Verdict:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limit:
-    """What a quantity may reach: normally, at most, and who says so. SI values.
+    """What a quantity may reach: normally, at most, and its source. SI values.
 
     Past `normal` a check warns, past `maximum` it fails; either may be absent, but not
     both. A `band` is the other kind of limit: a range to keep out of, where a check
-    warns. A limit with `above_angle` asks only where the angle of a cross exceeds it,
+    warns. A limit with `above_angle` applies only where the angle of a cross exceeds it,
     one with `states` only in states of these kinds. One that is `required` leaves a verdict
-    incomplete where it gets no answer.
+    incomplete if it is not evaluated.
     """
 
     quantity: str
@@ -57,9 +57,9 @@ class Limit:
     """Kinds of state it applies to; None is all of them."""
     required: bool = False
     points: Literal["all", "own"] = "all"
-    """Whether it asks at every operating point of a state, or at the state's own alone."""
+    """Whether it applies at every operating point of a state, or at the state's own alone."""
     if_given: bool = False
-    """Whether it asks only where a file gives what an answer needs."""
+    """Whether it applies only if a file gives the input that it needs."""
     margin_scale: float = 1.0
     """What margins are shares of where the bound is 0."""
 
@@ -249,7 +249,7 @@ class Check:
 
     @property
     def how_read(self) -> str:
-        """How that bound was read, a word of `PROVENANCE_CODES`; empty where nobody said."""
+        """How that bound was read, a word of `PROVENANCE_CODES`; empty if not given."""
         return self.limit.source.source_of_value(self.deciding_bound).how_read
 
     @cached_property
@@ -282,7 +282,7 @@ def worsened_checks(before: Iterable[Check], after: Iterable[Check]) -> list[Che
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnevaluatedCheck:
-    """A limit that asked and got no number, and what the application would have to give."""
+    """A limit that applies and got no number, and what the application would have to give."""
 
     limit: Limit
     line: str
@@ -292,5 +292,5 @@ class UnevaluatedCheck:
 
     @property
     def quantity(self) -> str:
-        """What was asked."""
+        """What was to be evaluated."""
         return self.limit.quantity
