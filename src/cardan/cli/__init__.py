@@ -1,4 +1,4 @@
-"""The command line: read, ask, print; a module for each command."""
+"""The command line: read, compute, print; a module for each command."""
 
 from cardan.cli.main import cli
 

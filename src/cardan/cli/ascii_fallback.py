@@ -1,7 +1,7 @@
 """Text for screens that know few letters: what an encoding lacks, in letters it has.
 
 A terminal in an old code page, or a pipe in ASCII, shows "beta" for β and "<=" for ≤, and
-a question mark where nothing stands for a sign. Nobody's run ends over a letter.
+a question mark where nothing stands for a sign. No run ends over a letter.
 """
 
 import codecs

@@ -27,7 +27,7 @@ from cardan.cli.exit_codes import (
 )
 
 REINFORCED_VARIANT_NAME = "reinforced"
-"""The variant that stands beside the original, in a file of its own."""
+"""The variant that stands next to the original, in a file of its own."""
 
 
 @click.command(cls=NoRepeatedOptionCommand)
@@ -165,5 +165,5 @@ def bracket(
 
 
 def _variant_path(file: Path, variant: str) -> Path:
-    """Return the name of a variant's file, beside that of the original."""
+    """Return the name of a variant's file, next to that of the original."""
     return file.with_stem(f"{file.stem}-{variant}")

@@ -1,4 +1,4 @@
-"""`cardan catalogue`: what is on the shelves, and what of it carries a torque."""
+"""`cardan catalogue`: parts of each kind, and which of them carry a torque."""
 
 from pathlib import Path
 from typing import Any
@@ -172,7 +172,7 @@ def _application_catalogues(file: Path | None) -> Any:
 
 
 def _matching_catalogue(word: str, names: tuple[str, ...]) -> str:
-    """Return the shelf that is meant: one joint is of the joints."""
+    """Return the kind of part that is meant: one joint is of the joints."""
     from cardan.schema.node_reader import nearest_name_hint
 
     same = [name for name in names if word.casefold() in (name, name.removesuffix("s"))]

@@ -104,7 +104,7 @@ def read_application(
     outputs: OutputPaths,
     with_placeholders: bool = False,
 ) -> Any:
-    """Return the application of a file, with what looks odd in it told on the way.
+    """Return the application of a file, with what looks odd in it reported on the way.
 
     Refuse it where one of the claimed outputs is a file that it names, and one that still holds
     placeholders, except `with_placeholders`.
@@ -132,7 +132,7 @@ def read_application(
 
 
 def _warning_text(warning: Any, file: str) -> str:
-    """Return what looks odd in a file, in the language that the command is asked for."""
+    """Return what looks odd in a file, in the language of the command."""
     context = click.get_current_context(silent=True)
     lang = context.params.get("lang", "en") if context else "en"
     if lang == "en":
@@ -153,7 +153,7 @@ def approve_file(
     also: "Iterable[str | Study[Any]]" = (),
     tell: "ProgressLine | None" = None,
 ) -> Any:
-    """Return the approval of a file's application, `also` by other studies than it asks for."""
+    """Return the approval of a file's application, `also` by other studies than its own."""
     from cardan.approval.approval import approve_application, default_studies
     from cardan.approval.registry import studies_of_application
 
@@ -180,7 +180,7 @@ def add_file_position_to_errors(file: Path, application: Any) -> Generator[None,
         raise DesignError(source_location.error_with_location(error, application, file)) from error
 
 
-# --------------------------------------------------------------------------- telling
+# --------------------------------------------------------------------------- reporting
 
 
 SILENCE_S = 30.0
@@ -241,7 +241,7 @@ def _clock(seconds: float) -> str:
 
 @contextmanager
 def progress_line(doing: str, *, quiet: bool = False) -> Generator[ProgressLine, None, None]:
-    """Tell how far a run is while it lasts; wipe the line after.
+    """Report how far a run is while it lasts; wipe the line after.
 
     One that is stopped from the keyboard leaves the line, for it says how far it came.
     """
@@ -303,14 +303,14 @@ def _json(document: Any, *, indent: int, ensure_ascii: bool) -> str:
 
 
 def echo_to_stderr(text: str) -> None:
-    """Print a word beside the answer, on standard error."""
+    """Print a word in addition to the result, on standard error."""
     click.echo(text, file=sys.stderr)
 
 
 def validate_output_paths(*inputs: str | Path | None, **outputs: str | Path | None) -> OutputPaths:
     """Return outputs by their options; refuse those that cannot be written or must not.
 
-    Inputs that are no files, like the name of a profile of the package, are nobody's.
+    Inputs that are no files, like the name of a profile of the package, are left out.
     """
     claimed = {
         f"--{option.removesuffix('_out').replace('_', ' ')}": name

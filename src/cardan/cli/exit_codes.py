@@ -1,11 +1,11 @@
 """How a run ends, and with which exit code.
 
 0     passes, or only warns
-1     something fails, or a limit the profile requires has no answer
+1     something fails, or a limit the profile requires is not evaluated
 2     a file or an option is not as it should be; nothing was done
 3     the program is at fault: to be reported
 130   stopped from the keyboard
-141   nobody reads on: a closed pipe
+141   a closed pipe: the output is no longer read
 """
 
 import os
@@ -28,7 +28,7 @@ BUG_REPORT_GUIDE = "CONTRIBUTING.md"
 """Where it is said how to report a fault of the program."""
 
 _LANG = re.compile(r"(?m)^--lang[=\n](en|it|pt)$")
-"""The language asked for on a command line of one argument each line."""
+"""The language requested on a command line of one argument each line."""
 
 _QUOTED = re.compile(r"'([^']+)' is not one of")
 
@@ -54,7 +54,7 @@ class NoRepeatedOptionCommand(click.Command):
     """A command that refuses an option given twice: one of the two would be passed over."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the options and arguments; what is wrong is said in the language asked for."""
+        """Read the options and arguments; what is wrong is said in the requested language."""
         given = tuple(args)  # of which the parser takes away
         try:
             return self._parse_unique(ctx, args)
@@ -135,14 +135,14 @@ def raise_command_error(message: str) -> NoReturn:
 
 
 def exit_with_verdicts(*verdicts: str) -> NoReturn:
-    """End with the exit code of verdicts: 1 where something fails or has no answer."""
+    """End with the exit code of verdicts: 1 where something fails or is not evaluated."""
     bad = any(v in ("fail", "incomplete") for v in verdicts)
     raise SystemExit(EXIT_NOT_APPROVED if bad else 0)
 
 
 @contextmanager
 def exit_cleanly_on_interrupt_or_bug(*, debug: bool) -> Generator[None, None, None]:
-    """End a run that was stopped, that nobody reads, or that met a fault of the program."""
+    """End a run that was stopped, lost its reader, or met a fault of the program."""
     try:
         with interrupts_raised():
             yield
@@ -154,7 +154,7 @@ def exit_cleanly_on_interrupt_or_bug(*, debug: bool) -> Generator[None, None, No
         raise SystemExit(EXIT_BROKEN_PIPE) from None
     except (click.ClickException, click.exceptions.Exit, click.Abort):
         raise
-    except Exception as error:  # the last door: nobody above it can help
+    except Exception as error:  # the last handler: none above it can help
         if debug:
             import traceback
 
@@ -173,7 +173,7 @@ def _discard_output() -> None:
 
 
 def _bug_report(error: Exception) -> str:
-    """Return what somebody who reports a fault has to know."""
+    """Return what the report of a fault has to contain."""
     import platform
     import shlex
 

@@ -246,7 +246,7 @@ def _write_identified(
     Raises
     ------
     DesignError
-        If it tells nothing of the line: an earlier file would be taken for its answer.
+        If it determines nothing of the line: an earlier file would be taken for its result.
     """
     if of.identification is None:
         return
@@ -264,7 +264,7 @@ def _write_identified(
 
 
 def _load_history_csv(campaign: Any, of: Any, *, changed: bool = False) -> str:
-    """Return the force on the bearing over a recording as a table, of the changed line if asked."""
+    """Return the force on the bearing over a recording as a table, by default as driven."""
     from cardan.topics.recording.study import recorded_bearing_force
 
     time, force = recorded_bearing_force(campaign, of, changed=changed)
@@ -277,7 +277,7 @@ def _run_campaign(
     corrected: Path | None, load_history: Path | None, changed_history: Path | None,
     allow_outside: bool, say: Any, every: bool, quiet: bool,
 ) -> None:  # fmt: skip
-    """Ask all the recordings of a campaign's file."""
+    """Assess all the recordings of a campaign's file."""
     from cardan.render.text_layout import fold_lines
     from cardan.topics.recording import json_presentation
     from cardan.topics.recording import presentation as report

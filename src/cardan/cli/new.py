@@ -167,7 +167,7 @@ def _write_campaign(recording: Path, *, replace: bool) -> None:
 def _write_before_and_after(
     file: Path, kind: str, own: Path | None, *, from_: float, to: float, replace: bool
 ) -> None:
-    """Write the applications of two wheelbases, and tell what the change asks of the line."""
+    """Write the applications of two wheelbases, and print what the change requires of the line."""
     from cardan.application import reader
     from cardan.application.templates import template_text
     from cardan.application.wheelbase import text_with_wheelbase
