@@ -150,7 +150,7 @@ class Approval(approvals.Approval):
         return _module("documents.notebook").line_drawing(lines[line], view)
 
     def to_frame(self) -> Any:
-        """Return a pandas frame with a row for each check, and for each that has no answer."""
+        """Return a pandas frame with a row for each check, and for each that is not evaluated."""
         rows = [{**check_json(c), "required": c.limit.required} for c in self.checks]
         rows += [
             {
@@ -169,7 +169,7 @@ class Approval(approvals.Approval):
     def quantity(self, key: str) -> "QuantityValues":
         """Return the values of a quantity by line, state and part, in the unit it is shown in.
 
-        Of the driveline every one, whether a limit asks about it or not; of another study
+        Of the driveline every one, whether a limit applies to it or not; of another study
         those that it held against a limit.
         """
         if key not in QUANTITIES or not (key in LINE_QUANTITIES or key in LIMITABLE_QUANTITIES):
@@ -410,7 +410,7 @@ class Sweep(VariantStudyResult):
 
 
 class RecordingResult(StudyResult[Any]):
-    """What a recording tells: the lives at its gauges and, where a speed is known, the causes.
+    """Results of a recording: the lives at its gauges and, if a speed is known, the causes.
 
     `answer` holds the recording, its `lives` and its `causes`; `verdict` is None where
     nothing was requested of them.
@@ -464,7 +464,7 @@ class RainflowMatrices(matrices.RainflowMatrices):
 
 
 class RecordingCampaignResult(RecordingResult):
-    """What a campaign of recordings tells: the lives at its gauges in the mix of all.
+    """Results of a campaign of recordings: the lives at its gauges in the mix of all.
 
     `answer` holds the `parts`, recording by recording, and the `lives`.
     """
@@ -506,10 +506,10 @@ def check(
     limits
         The name of a profile, or the file of one, in place of the application's own.
     studies
-        Which to ask beside the driveline: "vibration", "bracket". By default vibration,
+        Which to run with the driveline: "vibration", "bracket". By default vibration,
         where the file says what turns at both ends.
     recording
-        A campaign's file, whose recordings are asked too, for the same verdict.
+        A campaign's file, whose recordings are assessed too, for the same verdict.
 
     Raises
     ------
@@ -572,7 +572,7 @@ def study(
     workers: int = 1,
     **ask: Any,
 ) -> Sweep:
-    """Ask the driveline of many variants at once.
+    """Evaluate the driveline of many variants at once.
 
     Parameters
     ----------
