@@ -4,7 +4,10 @@ Program text that a page must show as printed stands in a code fence or in inlin
 """
 
 import ast
+import inspect
+import io
 import re
+import tokenize
 
 import click
 import pytest
@@ -101,6 +104,32 @@ def test_changelog_is_one_line_a_change():
     assert len(lines) < 200
     assert [line for line in lines if line.startswith("  ")] == []
     assert [line for line in lines if line.startswith("- ") and len(line.split()) > 21] == []
+
+
+NAMES_OF_A_SECTION = re.compile(r"^\w+(?:, \w+)*,?(?: : .*)?$(?=\n +\S)", re.MULTILINE)
+"""Lines of a docstring that head a description: names of parameters, fields and results."""
+
+
+def comments_and_docstrings(module):
+    """Yield line and text of each; strings that stand below a constant are docstrings too."""
+    text = module.read_text(encoding="utf-8")
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            said = inspect.cleandoc(str(node.value.value))
+            yield node.lineno, NAMES_OF_A_SECTION.sub("", said)
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        if token.type == tokenize.COMMENT:
+            yield token.start[0], token.string
+
+
+def test_docstrings_and_comments_have_no_old_words():
+    found = [
+        (str(module.relative_to(ROOT)), line, *word[1:])
+        for module in sorted((ROOT / "src").rglob("*.py"))
+        for line, said in comments_and_docstrings(module)
+        for word in old_words(" ".join(prose(said).split()))
+    ]
+    assert found == []
 
 
 def literals(module):
