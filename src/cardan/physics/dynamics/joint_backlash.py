@@ -134,7 +134,7 @@ class RattleHistory:
         Driving less driven rotation; beyond ± play the pins are in contact.
     speed : (samples,) rad/s
         Of the driven side.
-    impacts : (impacts,) rad/s
+    impact_speeds : (impacts,) rad/s
         Closing speed of every contact that began.
     """
 

@@ -47,9 +47,9 @@ class LateralSystem:
         Ω, above 0.
     mass, damping, stiffness : (..., m, m) complex
         M, C and K of z.
-    unequal : (..., m, m) complex
+    stiffness_asymmetry : (..., m, m) complex
         N: bearings stiffer one way than the other.
-    stirred : (..., m, m) complex
+    rotating_stiffness : (..., m, m) complex
         S: the joint, turning with the shaft.
     """
 
@@ -299,7 +299,7 @@ def misaligned_shaft_system(
 
     Returns
     -------
-    system : Periodic
+    system : PeriodicSystem
         For (x, y), inclinations in rad.
     motion : (..., 33, 2) rad
         The forced inclinations from the nominal axis, at equal instants of half a turn; nan

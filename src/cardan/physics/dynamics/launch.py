@@ -42,9 +42,9 @@ class FrictionElements:
     ----------
     springs : (H,)
         Their places among the line's springs.
-    most : callable
+    max_torque : callable
         Gives the largest torque (B, H) N m at a time, s.
-    relaxation : (H,) m
+    relaxation_length : (H,) m
         Way that the vehicle rolls while a spring forgets; inf for one that does not.
     """
 

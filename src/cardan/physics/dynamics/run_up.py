@@ -270,7 +270,7 @@ class RunUpOutcomes:
     mean_speed : (phases,) rad/s
         Of the motor, over the last tenth of the time; where all are well through before,
         when they are.
-    each : (phases,)
+    outcomes : (phases,)
     """
 
     angle: FloatArray

@@ -2,8 +2,8 @@
 
 A stability chart is its boundary; the area on either side needs no sampling. `zero_contour`
 starts from a coarse grid, divides only the cells the zero may cross and ends with
-bracketed steps along their edges; `tongue` follows a zone from where it is wide down to its
-tip, however narrow it gets; `curve` follows one line round its turns; `edges` finds every
+bracketed steps along their edges; `instability_tongue` follows a zone from where it is wide down to
+its tip, however narrow it gets; `curve` follows one line round its turns; `edges` finds every
 zero along one parameter.
 Sources: adaptive marching squares, Lorensen & Cline (1987); pseudo-arclength continuation,
 Keller (1977).
@@ -67,11 +67,11 @@ class ZeroContour:
 
     Attributes
     ----------
-    pieces : (pieces, 2, 2)
+    segments : (pieces, 2, 2)
         Start and end of each piece, x and y.
     evaluations
         How often the margin was evaluated.
-    cell : (2,)
+    cell_size : (2,)
         Width and height of the finest cells.
     """
 
@@ -107,7 +107,7 @@ def zero_contour(
     start
         Cells of the first grid. Growth rates are flat outside a zone, so a zone is found
         where a corner falls into it or the slopes seen point to it: a zone narrower than a
-        cell is missed, or ends where it is. Follow such ones with `tongue`.
+        cell is missed, or ends where it is. Follow such ones with `instability_tongue`.
     levels
         How often cells are halved.
     tolerance

@@ -203,7 +203,7 @@ class ShimmyHistory:
     time : (samples,) s
     state : (samples, 12)
         As `Steering.rates` orders it.
-    touches, touched_at : (touches,) rad/s, s
+    impact_speeds, impact_times : (touches,) rad/s, s
         Speed of closing, at the column, of every contact that began, and when.
     """
 

@@ -363,8 +363,7 @@ def linearised_about_rigid_rotation(line: TorsionalLine, speed: ArrayLike) -> Pe
     The line turns like one rigid body; the springs then carry the torque that the joints'
     unevenness implies, and the torques that would enforce the motion count as forcing.
     First-order zones are right. Those of second order need not exist, and in a line with
-    a stiff shaft the implied torque is fiction: see `linearised_about_rigid_shafts`,
-    `linearised_about_periodic_motion`.
+    a stiff shaft the implied torque is fiction: see `linearised_about_periodic_motion`.
 
     Parameters
     ----------

@@ -222,10 +222,10 @@ class TorsionalOperatingPoint:
 
     Attributes
     ----------
-    beta, place : (..., J) rad
+    beta, pin_angle : (..., J) rad
         Angle of each joint, and the angle of its driving pin from the joint's own plane when
         the line is not twisted and its input has turned by 0.
-    force : (..., n) N m
+    mean_torque : (..., n) N m
         Mean torques on the freedoms, in balance.
     speed : (...) rad/s
         Of the propeller shaft.

@@ -92,7 +92,9 @@ class CyclicMaterial:
     def cycles_to_failure(
         self, amplitude: FloatArray, mean: FloatArray, top: FloatArray, law: str
     ) -> FloatArray:
-        """Return cycles to failure (...) of loops of strain amplitude (...), by a law of `LAWS`.
+        """Return cycles to failure (...) of loops of strain amplitude (...).
+
+        `law` is one of `MEAN_STRESS_LAWS`.
 
         `mean` and `top` : (...) Pa, mean and largest stress of the loop. Infinite where it
         never opens.

@@ -79,18 +79,18 @@ class ElasticityProblem:
     ----------
     shape
         Of the CAD kernel, in metres.
-    held, held_edges
+    fixed_faces, fixed_edges
         Names of faces and edges, with the axes they may not move along.
-    firm
+    alternative_fixed_faces
         The faces of a second way to be held, whose maxima are followed where they are the worse
         ones; none where there is no such way.
-    clamps
+    clamp_faces
         Those of the held faces whose border a real clamp has, and no plane of symmetry.
     loads
         From the assembled solid to its load vectors (c, unknowns).
-    size
+    element_size
         Largest edge of an element of the first mesh.
-    asked
+    always_solved_loads
         Which of the loads are solved for on each mesh, whatever cases have of them; what none has
         is solved on the last mesh alone.
     """
@@ -154,13 +154,13 @@ class AdaptiveSolution:
 
     Attributes
     ----------
-    last, firm
+    final_solution, alternative_solution
         On the last mesh; held the second way where the problem has one.
     error
         Share of the highest stress of each feature that its error may be, held either way.
-    tops
+    stress_maxima
         Highest von Mises stress (loads,) Pa of each feature, on each mesh, of both ways the worse.
-    watched : (w, c, 6) Pa
+    watched_stress : (w, c, 6) Pa
         Stress at the points that were watched.
     watched_error : (w,) 1
         Share of the stress there that its error may be.

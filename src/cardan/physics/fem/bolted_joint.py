@@ -90,16 +90,16 @@ class BoltedFlange:
     ----------
     compliance : (q, q)
         Of the floating bracket.
-    rigid : (q, 6)
+    rigid_body_work : (q, 6)
         Work of each force on the six rigid motions.
     stress : (q, places, 6) Pa
         At the places requested; in single precision, for there are many.
-    upright : int
+    bolt_axis : int
         Axis square to the plane.
-    area : (patches,) m2
-    bed : N/m3
+    patch_areas : (patches,) m2
+    frame_stiffness : N/m3
         Pressure over how far the frame gives under it: a hard one does not.
-    thick : N/m3
+    elastic_frame_stiffness : N/m3
         That of a thick frame of the bracket's own metal.
     """
 

@@ -62,13 +62,13 @@ class ModelSize:
     ----------
     volume, area
         Of the solid, m³ and m² of its surface.
-    size
+    element_size
         Edge of its elements, m.
     degree
         Of their displacements.
-    finer
+    fine_face_triangles
         Triangles of faces that need a smaller edge, washers above all.
-    forces
+    contact_forces
         Between flange and frame, in contact.
     """
 

@@ -58,9 +58,9 @@ class WeldAndClampLines:
     frames, near_frames, far_frames : (k, 3, 3)
         Rows: away from the toe in the surface, along it, and the normal; at the toe, and
         carried along to where stress is read.
-    near, far : OnSurface
+    near, far : SurfaceProjection
         0.4 and 1.0 thicknesses from the toe.
-    room : (k,)
+    can_extrapolate : (k,)
         Whether the plate reaches that far, and no other toe or border lies within 0.4 thicknesses
         of the way; if not the stress at the first point counts, as it is.
     """

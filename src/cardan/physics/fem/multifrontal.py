@@ -42,7 +42,7 @@ class MultifrontalFactor:
     ----------
     order : (free unknowns,)
         The unknowns as they are eliminated.
-    each
+    fronts
         What is eliminated together, first things first.
     """
 

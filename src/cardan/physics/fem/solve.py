@@ -94,7 +94,7 @@ class SolveRequest:
     ----------
     cases : ((t, 9), ...)
         Load histories under which maxima are sought.
-    weights
+    zone_weights
         How much a stress weighs in each of `FATIGUE_ZONES` when the mesh is made finer.
     """
 
@@ -122,9 +122,9 @@ class ModalModel:
 
     Attributes
     ----------
-    seat : Seat
+    bracket_compliance : BracketCompliance
         What it gives under the bearing; made of unit forces and of these modes.
-    unit : (places, k, 6) Pa kg^-1/2
+    unit_stress : (places, k, 6) Pa kg^-1/2
     reactions : (bolts, k, 3) N kg^-1/2
     influence : (gauges, k) kg^-1/2
     """
@@ -145,27 +145,27 @@ class ConstrainedBracketSolution:
     ----------
     fixed_faces
         Faces that are held, by name, with the axes along which they are.
-    unit : (places, 9, 6) Pa
+    unit_stress : (places, 9, 6) Pa
         Stress that counts at each place of `zones`.
     compliance : (6, 6) m/N, rad/(N m)
         Mean motion of the seat under forces and moments.
     reactions : (bolts, 9, 3) N
         Force each bolt takes from the frame; where the whole plane is held, its share alone.
-    frequencies, carried : Hz
+    frequencies, loaded_frequencies : Hz
         Natural frequencies, six by itself and with what it carries; of the clamped flange
         three and two.
-    bends : (k,) 1
+    bending_energy_share : (k,) 1
         Share of the energy of each mode with what it carries that bends it, and no rubber.
-    too_high : (k,) 1
+    frequency_error : (k,) 1
         Share by which the natural frequencies by itself may be above those of finer elements; of
         the clamped flange it is not computed.
-    too_stiff : (3,) 1
+    stiffness_error : (3,) 1
         The same of the stiffness against each force; of the clamped flange neither.
     influence : (gauges, 9)
         Strain of each gauge.
-    unsure : (gauges, 3) 1/N
+    influence_error : (gauges, 3) 1/N
         Strain by which each gauge may read a unit force wrong, where forces are read from them.
-    swing : Swing
+    modal_model : ModalModel
         What comes on top where it is shaken.
     """
 
@@ -208,15 +208,15 @@ class SolvedBracket:
     influence_change : float
         Largest change by refining of what a gauge reads of a force, over the largest of all such
         readings.
-    unknowns, meshes
+    unknowns, mesh_count
         Of the last mesh; how many were made.
     fillet : (m, m)
         As it is drawn, and as it was solved with where the CAD kernel breaks on that.
-    found
+    face_selections
         What a STEP file had where faces were picked.
-    bolted : Bolted
+    contact_model : FlangeJointStressPlaces
         Its flange in its bolts; None if not requested.
-    expected
+    cost_estimate
         What was estimated beforehand.
     """
 

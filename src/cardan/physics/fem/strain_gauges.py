@@ -163,14 +163,14 @@ class RecoveredLoads:
         What strain of each gauge makes of each load.
     influence : (g, c) 1/N
         Strain of each gauge under a unit of each load.
-    unsure : (g, c) 1/N
+    influence_error : (g, c) 1/N
         Strain by which each gauge may read a unit of each load wrong.
-    unexplained : float
+    unexplained_share : float
         Share of what gauges read that their loads do not explain, its part in the loads with it;
         nothing where there are no more gauges than loads, and it is unknown.
-    flange : float
+    flange_fixity : float
         How it is held, between sliding, 0, and clamped, 1, as far as gauges show.
-    held_off : (c, c)
+    fixity_error : (c, c)
         By how much each load may be off for a unit of each, for a flange held otherwise.
     """
 

@@ -97,9 +97,9 @@ class SurfaceEdges:
     ----------
     nodes : (k, 3)
         An end, the middle, the other end.
-    faces, others : (k,)
+    faces, opposite_faces : (k,)
         Triangles: the one it is seen from, and the one across.
-    turn : (k,) rad
+    turn_angle : (k,) rad
         How much the other face turns up, towards the normal of this one: above 0 in a notch, below
         at a corner that sticks out, 0 where they run into each other.
     normals, into, along : (k, 3)

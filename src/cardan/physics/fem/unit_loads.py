@@ -36,14 +36,14 @@ _ANEW = 1e-10
 
 @dataclass(frozen=True)
 class UnitSolutions:
-    """The unit solutions of a held bracket; leading axis of loads as in `UNITS`.
+    """The unit solutions of a held bracket; leading axis of loads as in `UNIT_LOAD_NAMES`.
 
     Attributes
     ----------
-    solid : Solid
-    elastic : Elastic
+    solid : BracketSolid
+    elastic : ElasticSolid
     loads, displacements : (9, unknowns)
-    size : float
+    element_size : float
         Largest edge that the mesher may use, m.
     """
 

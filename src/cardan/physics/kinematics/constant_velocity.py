@@ -116,7 +116,7 @@ def rzeppa_angle_lead(
     Parameters
     ----------
     theta, beta, error : (...) rad
-        As for `single_ball_angle_lead`.
+        Input angle, joint angle, and angle of the ball plane off the bisector.
     balls
         N, even: 2 opposite ones do what one does.
 

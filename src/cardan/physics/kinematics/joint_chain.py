@@ -88,7 +88,7 @@ class ChainRotation:
         Unit vectors of the members.
     phasors : (..., n) 1, complex
         E of each member: it turns as one joint of angle β would drive it, tan²(β/2) = |E|.
-    settings : (..., n) 1, complex
+    initial_pins : (..., n) 1, complex
         Where the driving pin axis of each joint stands at θ = 0, but for the lead.
     samples
         The number N of angles.

@@ -91,17 +91,17 @@ class MountModes:
     Attributes
     ----------
     frequency : (..., m) rad/s
-    damping : (..., m) 1
+    damping_ratio : (..., m) 1
         Share of critical damping that the rubber's loss makes.
-    bending : (..., m) 1
+    bending_share : (..., m) 1
         Share of the energy that bends tubes; the rest is in the rubber.
-    bracket : (..., m) 1
+    bracket_share : (..., m) 1
         Share of the energy that bends brackets.
-    flanges : (..., m) 1
+    flange_share : (..., m) 1
         Share of the energy in what holds the flanges.
-    upright, axial : (..., m) 1
+    vertical_share, axial_share : (..., m) 1
         Shares of the rubber's energy that are vertical, and along the shafts; the rest is level.
-    travel : (..., m, n-2) 1
+    bearing_travel : (..., m, n-2) 1
         How far the bearings go, the largest 1, with signs along its own direction.
     """
 
@@ -171,7 +171,7 @@ class MountedLine:
         that each N of compression takes off.
     bearing : (..., n-2, 3, N)
         Motion of each shaft in its bearing: up, sideways and along the shaft.
-    frame : (..., n-2, 3, 3)
+    bearing_frame : (..., n-2, 3, 3)
         Those three directions, in rows.
     stiffness : (..., n-2, 3) N/m
         Infinite where rigid, 0 where free.
@@ -180,14 +180,14 @@ class MountedLine:
         Motion of the ends of each shaft.
     front_tilt, rear_tilt : (..., n-1, 3, N) 1/m
         Change of direction of the ends of each shaft.
-    along : (..., n-1, 3)
+    shaft_directions : (..., n-1, 3)
         Directions of the shafts.
     brackets, brackets_lost : (..., N, N)
         N/m of the brackets that bearings hang in (`mounted`), and what they lose; None where
         they are rigid.
     flanges, flanges_lost : (..., N, N)
         The same of what holds the first and the last joint.
-    seats
+    bracket_mode_count
         How many of the coordinates, the last ones, are modes of brackets.
     """
 

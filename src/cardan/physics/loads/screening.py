@@ -80,7 +80,7 @@ class AxleTravelByTorque:
         Its travel under these; between them it goes nearly straight.
     away : (..., S) m
         How far it goes off that at most.
-    moves
+    has_motion
         Whether it rides in more ways than one.
     """
 
@@ -122,9 +122,9 @@ class ObstacleCandidates:
 
     Attributes
     ----------
-    free : (rides, ..., S, R) m
+    clearance : (rides, ..., S, R) m
         Distance there at each of the nodes of `AxleTravelByTorque`.
-    nearer : (..., S, R, n-1, 2, 3)
+    approach_matrix : (..., S, R, n-1, 2, 3)
         How much nearer it comes for each metre of the ends of the shafts.
     """
 
@@ -162,32 +162,32 @@ class BearingForceScreeningModel:
 
     Attributes
     ----------
-    on
+    mounted_line
         How it can move.
-    rides
+    axle_positions
         Where the axle is.
-    pushes : (N, ...) N
+    coordinate_forces : (N, ...) N
         What orders 0 and 2 of 1 N m do on the coordinates.
-    swing : (N, N, ...)
+    order2_coupling : (N, N, ...)
         How order 2 of that follows the coordinates.
-    borne : (B, ...) N
+    direct_bearing_forces : (B, ...) N
         Orders 0 and 2 of 1 N m on the bearings, less what the coordinates take at rest.
-    twisted
+    twist_gains
         What order 2 of the three, in this order, gains for each N m more: it twists the shafts.
-    weight : (B, ...) N
+    weight_forces : (B, ...) N
         On the bearings.
     thrust
         What thrust in the sliding fit does; None where unknown.
-    rows : (B, N, ...)
+    bearing_matrix : (B, N, ...)
         Motion in the bearings' directions.
-    springs, loss : (B, ...) N/m, 1
-    gives : (B, ...) m/N
+    bearing_stiffness, loss : (B, ...) N/m, 1
+    rubber_compliance : (B, ...) m/N
         Of the rubber across the shafts; 0 along them.
-    turning : (N, 2 (n-1), ...) N s²
+    unbalance_excitation : (N, 2 (n-1), ...) N s²
         What unbalance of each end does on the coordinates at 1 rad/s; None leaves it out.
-    free : (R, ...) m
+    clearance : (R, ...) m
         How far off is what shafts face.
-    nearer : (R, N, ...)
+    approach_matrix : (R, N, ...)
         How much nearer the coordinates bring it.
     """
 

@@ -119,7 +119,8 @@ class AssessmentSettings:
     fault_rules
         What is masked or accepted of what looks wrong; the last one that concerns it counts.
     interpolate_crests
-        Whether crests are looked for between samples; None where they lose more than `SHORT`.
+        Whether crests are looked for between samples; None where they lose more than
+        `MIN_CREST_HEIGHT_SHARE_LOST_BY_SAMPLING`.
     ultimate : Pa
         Tensile strength, which no crest may exceed; infinite if not given.
     max_known_frequency : Hz
@@ -161,7 +162,7 @@ class GaugeAssessment:
         Smallest and largest stress.
     life
         Damage and what follows from it.
-    closed_cycles : FromTo
+    closed_cycles : FromToMatrix
         Closed cycles; the matrix rounds stresses to half a bin, 1e-3 in damage at most.
     residue : Pa
         Reversals left open.

@@ -26,9 +26,9 @@ from cardan.physics.fatigue.sn_curve import SNCurve
 from cardan.physics.signals.usage_profile import UsageHistory
 
 UnknownReason = Literal["short", "blows", "road", "wide", "data rejected"]
-"""Why the rate is unknown: a recording of less than `SHORT`, a few blows that did much of the
-damage, a road that changed too seldom, an interval beyond `WIDE`, or a recording that is
-spoiled."""
+"""Why the rate is unknown: a recording of less than `MIN_VALID_TIME_S`, a few blows that did much
+of the damage, a road that changed too seldom, an interval beyond `MAX_CONFIDENCE_INTERVAL_RATIO`,
+or a recording that is spoiled."""
 
 MIN_VALID_TIME_S = 60.0
 """Recorded time in which no change of the road can be seen, s."""

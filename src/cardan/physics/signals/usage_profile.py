@@ -56,7 +56,8 @@ class UsageHistory:
     mean : (m,) Pa
         Mean stress; nan where nothing was recorded.
     reversals : m of (k,) Pa
-        Where the stress turns in each second, but for what turns by less than `FINE`.
+        Where the stress turns in each second, but for what turns by less than
+        `MIN_REVERSAL_RANGE_SHARE`.
     """
 
     damage: FloatArray

@@ -111,7 +111,7 @@ class BeamMatrices:
         L⁻¹ M L⁻ᵀ of each plane.
     gyroscopic, mass : (..., N, N)
         The same of G, and of M, between the planes.
-    bearing : (..., 2, b, N)
+    bearing_strain : (..., 2, b, N)
         Strains of bearings and flanges; their squares add up to twice their energy.
     displacement : (..., 2, p, N)
         Of the stations.

@@ -107,9 +107,9 @@ class WhirlModes:
     ----------
     frequency : (..., m) rad/s
         Infinite where the line has no more of them.
-    forward : (..., m) 1
+    forward_share : (..., m) 1
         Share that whirls with the rotation: 1 forward, 0 backward, 1/2 to and fro.
-    bending : (..., m) 1
+    bending_share : (..., m) 1
         Share of the elastic energy that the shafts hold; the bearings hold the rest.
     station : (..., p) m
         Places along the line, counted from the first joint.

@@ -64,8 +64,7 @@ def static_axle_loads(vehicle: Vehicle, load: LoadState, *, grade: ArrayLike = 0
         The vehicle and how it is loaded.
     grade : (...) rad
         Slope α, up positive. The slope's own part, W sin α, acts along the ground: the
-        tyres' force holds it, and `axle_loads_under_force` and
-        `axle_loads_at_wheel_slip` move load for all of that.
+        tyres' force holds it, and `axle_loads_at_wheel_slip` moves load for all of that.
 
     Raises
     ------
@@ -173,12 +172,12 @@ class DrivelineAxleLoads:
         as it holds them back.
     braked : (...) N
         On its axle, with every wheel of the vehicle braked to its limit.
-    drawn, drawn_back, drawn_braked : (...) N
+    transfer_traction, transfer_coast, transfer_braking : (...) N
         What moves onto its axle as all driven wheels slip, in traction and overrun, and in
         braking; nan if the height of the centre of gravity is not given.
-    lever : (...) 1
+    transfer_per_force : (...) 1
         What a newton that pushes the vehicle ahead moves there.
-    slope : (...) N
+    grade_transfer : (...) N
         What the grade itself adds, below 0: its cosine takes some off.
     """
 

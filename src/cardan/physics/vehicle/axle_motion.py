@@ -27,7 +27,7 @@ class AxleMotion:
         Of the wheel centre.
     pitch : (...) rad
         About y: the nose of a pinion that faces the gearbox rises.
-    arm : (..., 3) m
+    joint_offset : (..., 3) m
         From the wheel centre to the joint the axle carries, before it moves.
     lead_shift : (..., 3) m
         What the axle ahead, where joint 1 leaves one, has moved more than this one.

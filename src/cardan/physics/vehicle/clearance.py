@@ -16,11 +16,11 @@ class ShaftObstacleClearances:
 
     Attributes
     ----------
-    free : m
+    clearance : m
         Distance there, less what both are thick; negative is interference.
-    share : 1
+    shaft_fraction : 1
         How far along the shaft that is, 0 at its front joint.
-    away : (..., 3)
+    direction : (..., 3)
         Unit vector from the obstacle to the shaft; nothing where their axes meet.
     """
 

@@ -62,9 +62,9 @@ class TorqueCurves:
     torque : (C, ..., S, E) N m
         Above 0 in drive, below in overrun, braking and reverse; straight between corners, its
         size never rising. What the tyres hold is not in it.
-    most : (C, ..., S) N m
+    torque_limit : (C, ..., S) N m
         Size of torque that the tyres hold there; inf where unknown, or it is no matter.
-    fastest : (C, ..., S) rad/s
+    max_speed : (C, ..., S) rad/s
         Where the curve ends in a state; nan where that state has no such points.
     """
 

@@ -60,30 +60,30 @@ class LineWithResolvedReferences:
         The line in its place.
     states
         The S states it is evaluated in.
-    loadings
+    load_states
         What loads the vehicle in each of them.
-    reference
+    reference_state
         The state in which its layout is given.
-    reference_loading
+    reference_load_state
         What loads the vehicle in that.
-    own : S layouts or None
+    own_layouts : S layouts or None
         Where a state itself says how the line runs.
     suspension
         What moves its axle; the application's own is that of the rear axles.
     linkage_ahead
         What guides the axle that it starts at; None where the frame holds its joint 1.
-    share
+    max_torque_share
         The largest part it may have of the gearbox output's torque: behind a locked
         differential all that goes there.
-    usual_share
+    nominal_torque_share
         What it has of that torque while all wheels hold.
-    push_share
+    traction_share
         Part of what all wheels push that its own do, while it has its largest share.
     torque, coast_torque, speed : N m, N m, rad/s
         Of the gearbox output where the application says so, in place of engine and tyres.
     gears
         Its torque and speed gear by gear; None without an engine.
-    reverse
+    reverse_gears
         The same in reverse; None if the ratio is not given.
     obstacles
         What it must clear.

@@ -76,9 +76,9 @@ class LineStateDemand:
         Names of the S states.
     layout : (..., S, n, 3) m
         Where the line runs.
-    given : (..., S, n, 3) m
+    undisplaced_layout : (..., S, n, 3) m
         The layouts before the suspension moved them: the reference, or a state's own.
-    ride : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
+    axle_motion : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
         How the suspension moves the axle; `corrected` repeats it with other changes.
     torque : (..., S) N m
         For the loads: the smaller of engine and slip torque, or as the application says.
@@ -104,7 +104,7 @@ class LineStateDemand:
         nan in states that are no equilibrium: `rebound` and `jounce`.
     gears
         Torque and speed of the line gear by gear; None without an engine.
-    standing
+    static_state
         Where it stands before torque winds its axle up.
     """
 

@@ -48,15 +48,15 @@ class LineBeforeAxleWindup:
         The line.
     loads : (..., S) N
         What it feels of the vehicle's weight.
-    ride : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
+    axle_motion : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
         Where the springs have the axle.
-    stands : (..., S) m
+    spring_deflection : (..., S) m
         Deflection of its springs; nan where not known.
-    yields : (S,)
+    winds_up : (S,)
         Where torque winds it up: the suspension places it, and its pitch is not given.
     squats : (S,)
         Where what the tyres pull moves it on its springs: these carry its load.
-    slip, slip_back, slip_reverse : (..., S) N m
+    slip_torque, slip_torque_coast, slip_torque_reverse : (..., S) N m
         Torques at which the wheels slip as the line drives them, holds them back, and drives
         them in reverse; nan where unknown.
     """

@@ -87,7 +87,7 @@ def _flank_distance(width: IntArray) -> IntArray:
 
 
 def parabola_height_ratio(width: IntArray, side: IntArray) -> FloatArray:
-    """Return `_clipped_heights_by_flank` over the middle's range (k,) of uncut parabolas.
+    """Return `clipped_heights_by_flank` over the middle's range (k,) of uncut parabolas.
 
     Of few samples a middle ranges over fewer yet: of five, three, and it is nine.
     """

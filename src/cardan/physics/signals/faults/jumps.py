@@ -120,7 +120,7 @@ def may_stand_out(
     least: float = MIN_JUMP_TO_90_PERCENT_QUANTILE_RATIO,
     share: float = 0.9,
 ) -> BoolArray:
-    """Return which jumps may be `_standing_out`, (2, n): before them, and behind. No others are."""
+    """Return which jumps may be `standing_out`, (2, n): before them, and behind. No others are."""
     loud = np.zeros((2, size.size), bool)
     if size.size <= 2 * JUMP_NEIGHBOURHOOD_SAMPLES + 8 * gap:
         return loud
