@@ -46,12 +46,12 @@ class ContactResult:
     ----------
     when
         That case; None where none that repeats is held, or no fatigue limit is known.
-    times : (features,)
+    stress_factors : (features,)
         Swing of each feature in contact, on its safe side, over that by the worse of the two
         ways held.
-    told : (features,)
+    utilisation_without_contact : (features,)
         What that case uses of each feature's fatigue limit by the two ways.
-    life_told
+    life_without_contact
         Hours over the duty cycle by the two ways; nan without one.
     """
 

@@ -44,12 +44,12 @@ class BearingForceSweep:
     speed : (Q,) rad/s
     torque : (C, Q) N m
         nan where a curve has no such speed.
-    waves, rigid : (C, Q, 3, 3) N
+    force_amplitudes, rigid_force_amplitudes : (C, Q, 3, 3) N
         Complex amplitudes of orders 2, 4 and 6 along x, y, z; and as they would be in a
         bracket that does not give.
     frequencies, damping : (m,) Hz, 1
         Of the line on rubber and bracket.
-    names : m
+    mode_names : m
         What those modes are called.
     """
 
@@ -71,11 +71,11 @@ class ForcedResponse:
 
     Attributes
     ----------
-    swept : Swept
+    sweep : BearingForceSweep
     stress : (C, Q, F) Pa
         Amplitude of the normal stress on the plane where it swings most: orders 2, 4 and 6
         where they add up.
-    rigid : (C, Q, F) Pa
+    rigid_stress : (C, Q, F) Pa
         The same as if bracket were rigid to the line and at rest to itself.
     """
 

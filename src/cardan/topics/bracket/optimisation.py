@@ -87,7 +87,7 @@ class OptimisationResult:
     ----------
     target_hours
         Required life, h.
-    best : EvaluatedSizes
+    best : EvaluatedBracketDimensions
         The lightest that lives as long, in bolts that hold; None where none does.
     evaluated
         All that were solved, in order.

@@ -66,14 +66,14 @@ class ToleranceYield:
     ----------
     share : 1
         Of all trucks: what nothing fails in that does not fail at the setting.
-    quiet : 1
+    share_without_warnings : 1
         Of all trucks: what nothing warns in either that does not at the setting.
-    asked
+    individually_evaluated
         Whether every truck was evaluated; otherwise their margins follow from slopes and bends
         at the setting.
-    tighter
+    best_tightening
         The tolerance that wins most, the share with it half as wide; None where none does.
-    lost
+    most_failed_quantity
         The quantity whose limit fails most often; "" where none does.
     """
 

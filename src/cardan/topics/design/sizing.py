@@ -109,13 +109,13 @@ class PartProposal:
 
     Attributes
     ----------
-    line, kind, parts
+    line, kind, part_numbers
         Which line, what it is, and the numbers of the shafts, joints or bearings.
-    part, before
+    part, replaced_part_name
         Of tubes and joints: the new one, and what the one that is there is called.
-    amount : m
+    rearward_shift : m
         Of a split or a bearing's place: how far to the rear.
-    mass : kg
+    mass_change : kg
         What the line gains; None where a joint's mass is not published.
     """
 
@@ -339,7 +339,7 @@ def next_part_sizes(
 def resolvable_checks(application: Application, *, line: str | None = None) -> list[Check]:
     """Return the checks that another part might answer, the worst first, one a quantity and part.
 
-    Of quantities that are not sought at every operating point: see `WAYS`.
+    Of quantities that are not sought at every operating point.
     """
     worst: dict[tuple[str, str, str], Check] = {}
     for installed in application.lines:

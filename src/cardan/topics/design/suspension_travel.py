@@ -38,7 +38,7 @@ class TravelRange:
     torque : N m
         Most in reverse or overrun, below 0, and in drive, of its states and operating points;
         (0, 0) where no torque winds the axle up.
-    brakes
+    brake_windup_known
         Whether it is known what brakes make of the axle.
     """
 

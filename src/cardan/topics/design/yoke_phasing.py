@@ -23,11 +23,11 @@ class YokePhasing:
     ----------
     phases : (n-1,) rad
         Of every shaft.
-    installed
+    is_installed
         Whether that is how the application has it.
-    states : (S,)
+    state_names : (S,)
         Names of the states.
-    exact, ae7
+    exact_excitation, ae7_excitation
         What it excites in each of them, (S,): exactly, and by the field's addition of squares.
     """
 

@@ -66,9 +66,9 @@ class StrainLifeSettings:
     ----------
     material
         Its cyclic and strain-life curves.
-    law
-        What the mean stress of a loop does, one of `local.LAWS`.
-    notch
+    mean_stress_law
+        What the mean stress of a loop does, one of `MEAN_STRESS_LAWS`.
+    notch_factor
         K_t from the gauge to the place; None where the gauge felt the place's own strain.
     """
 
@@ -98,9 +98,9 @@ class FailureProbability:
 
     Attributes
     ----------
-    hours
+    service_hours
         Of service.
-    first, second
+    first_order, second_order
         By the nearest failure, and by how its surface bends there; None where there is none.
     sampled
         By parts drawn about it.
@@ -128,13 +128,13 @@ class AlternativeLives:
 
     Attributes
     ----------
-    strain_damage, strain
+    strain_damage, strain_amplitude
         Of the recording or mix by strain-life, and the largest local strain amplitude.
-    growth
+    crack_passages
         Passages of the recording or mix that grow the crack; infinite where it stops.
     duration : s
         Time with valid data, of one passage.
-    in_turn
+    sequenced
         The same of a mix with its parts driven in turn; None where that says nothing else.
     """
 

@@ -29,11 +29,11 @@ class MixGaugeResult:
         Of the gauge.
     parts
         What each recording did to it, and how often that is driven in the mix.
-    between
+    transition_damage
         Damage of cycles from one part to another, were they driven in turn again and again.
-    order
+    sequence
         How they follow each other then; None if not requested.
-    hidden
+    undecided_faults
         Kinds of fault for which a recording would be undetermined as a whole, and of which its
         segments show nothing: their levels decide, and whether the part felt that is not given.
     """
@@ -116,15 +116,15 @@ class CampaignAssessment:
         One a gauge.
     profile
         The limits' name; "" if no profile applies.
-    customer
+    customer_share
         Share of customers that is requested; 0 for none.
-    whose
+    recording_indices
         Which recording of the file each part is of, in their order.
-    allowed
+    damage_at_failure
         Damage at failure.
-    campaign
+    options
         Settings of every recording.
-    otherwise
+    alternative_lives
         The mix's gauges judged by strain, by a crack, by odds; none if not requested.
     """
 

@@ -122,7 +122,7 @@ class RecordingSpec:
         What it is called; that of the file unless said.
     times
         How often it is driven in the mix.
-    beside
+    second_files
         Other files of the same drive, how much later each began, s, and its CAN databases.
     segments
         Stretches that count in place of the whole.

@@ -40,11 +40,11 @@ class IdentifiedParameter:
         vertical, lateral, loss, phase, gain, mode, mode damping or unbalance.
     part
         What it belongs to.
-    was
+    file_value
         In the application's file; nan where it says nothing.
     value, low, high
         As found, and the 90 % interval.
-    told
+    identifiable
         Whether the recording says it.
     assumed
         Whether it does not because more of the interval is what was assumed than what it says.
@@ -107,19 +107,19 @@ class IdentificationResult:
         Measured at each gauge, Pa.
     torque : (W,) N m
         Mean in each window.
-    written, found : (gauges, K, W) Pa, complex
+    computed_before, computed_after : (gauges, K, W) Pa, complex
         Computed by the file, and by what was found, with the tacho's mark where it is.
-    units : (gauges, 3) Pa/N
+    unit_stress : (gauges, 3) Pa/N
         What a unit force of the bearing does at each, as found.
-    mean : (gauges, W) Pa
+    mean_stress : (gauges, W) Pa
         Stress of the mean force, as found.
-    mark : (W,) rad
+    tacho_mark_angle : (W,) rad
         How far the gearbox's yoke is ahead of the tacho's mark, to half a turn.
     misfit : before and after
         Share of the measured order 2's energy that is not explained.
-    hung : Hz
+    line_frequencies : Hz
         Frequencies of the line on its rubber, as found.
-    shaken
+    operational_modes
         Modes that the gauges feel in addition to the orders: what road and engine shake.
     doubts
         Why no number is reported, if so.

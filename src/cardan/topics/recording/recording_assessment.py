@@ -54,9 +54,9 @@ class AlternativeBusErrorInterpretation:
 
     Attributes
     ----------
-    misread
+    bus_error_values
         Where they are, and how they are taken.
-    turns
+    additional_turns
         That the shaft would make more.
     evidence
         What the joints would be answerable for, by gauge.
@@ -73,7 +73,7 @@ class RecordingAssessment:
 
     Attributes
     ----------
-    campaign
+    options
         Its settings.
     lives
         One a gauge of the plan; nan at those that have no samples.
@@ -86,15 +86,15 @@ class RecordingAssessment:
         How far the shaft has turned, as the stress has it; None where unknown.
     identification
         What the recording says of its application; None if not requested.
-    pictures
+    figures
         Its gauges as arrays to draw; None if not needed.
-    used
+    usage
         When and where its gauges' damage came; none if not requested.
-    promised
+    predicted_lives
         What gauges would do with the changed line; none where none was given.
-    otherwise
+    alternative_lives
         Its gauges judged by strain, by a crack, by odds; none if not requested.
-    misread
+    alternative_readings
         Channels of speed and torque in which a bus wrote that it had no value.
     """
 

@@ -52,11 +52,11 @@ class BusErrorValues:
     ----------
     channel
         Its name.
-    runs : (k, 2) s
+    intervals : (k, 2) s
         From when to when, flanks that a faster clock laid between readings among them.
     speed : turns/s
         What it would be as a speed; nan of a torque.
-    accepted
+    accepted_count
         How many of them are taken for values all the same, as a rule has it.
     torque : N m
         What it would be as a torque; nan of a speed.

@@ -58,22 +58,22 @@ class UsageDamage:
     ----------
     gauge
         Its name.
-    groups
+    bins
         Damage by "gear", "speed" and "torque", where these are known: of each second by its mean
         speed, and by torque and gear when its stress was farthest from its level.
-    unknown
+    unassigned
         By the same, damage of the seconds that are in none of these groups.
-    open
+    residue_share
         Share of the damage that is of the open residue, of no second.
-    open_damage
+    residue_damage
         What that is; with `groups` and `unknown` it is the whole damage.
-    places
+    stress_peaks
         The largest stresses.
     long_run
         The damage rate as recorded and in the long run.
-    shortened
+    shortened_test_share
         Share of the time that a test takes which does `SHORTENED_TEST_DAMAGE_SHARE` of the damage.
-    amplitude : Pa
+    equivalent_amplitude : Pa
         Of a test of as many cycles as the S-N curve's knee that does a recording's damage.
     """
 

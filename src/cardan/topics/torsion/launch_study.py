@@ -78,9 +78,9 @@ class LaunchResult:
         gears lose, the line's torque of that gear.
     springs : S
         Line and part of each spring.
-    travel
-        The motion, of `CASES`.
-    peak, lowest : (S,) N m
+    history
+        The motion, of `LAUNCH_CASES`.
+    peak_torque, lowest_torque : (S,) N m
         Largest torque of each spring, and the lowest after half of that was first there.
     peak_range, lowest_range : (2, S) N m
         Between what these lie while grip and rolling resistance are in their ranges.
@@ -88,18 +88,18 @@ class LaunchResult:
         The same of the lowest torque, backwards, over the peak of the same launch.
     assumed
         Those ranges.
-    order_2 : (S, N) N m
+    order2_amplitude : (S, N) N m
         Amplitude at each instant, by what the joints alone add.
-    locked : s
+    lockup_time : s
         When the clutch stopped slipping; nan where it did not, or there is none.
-    slid
+    tyres_slid
         Whether the tyres did.
     acceleration : rad/s²
         Largest of the main line's pinion, by what joints and engine add.
     bearing_time, bearing_force : (P,) s, (P, bearings) N
         Peak force on each centre bearing of the main line along the ramp, as it would be if
         each instant lasted.
-    bearing_passed : (P, bearings) N
+    bearing_transient_force : (P, bearings) N
         The force as the line passes through; nan if its rubber is unknown.
     least_force_at_stop : (bearings,) N
         What each carries at least with its rubber at its stop; inf of rigid ones.
@@ -166,9 +166,9 @@ class GearLosses:
 
     Attributes
     ----------
-    ahead, vehicle : 1
+    engine_factor, vehicle_factor : 1
         What engine and vehicle count.
-    rotors, springs : (R,) 1, (S,) 1
+    rotor_factors, spring_factors : (R,) 1, (S,) 1
         What each part counts.
     """
 

@@ -72,7 +72,7 @@ class PowertrainModel:
         Relaxation length of the tyres.
     road_ratio : m
         How far the vehicle goes for each radian of the line.
-    share : 1
+    torque_share : 1
         What the main line carries of the torque that the gearbox gives all lines.
     """
 
@@ -194,20 +194,20 @@ class VehicleTorsionModel:
     ----------
     gears, ratios : G
         Engine speed over the speed of the main line, its size.
-    sense : 1
+    rotation_sign : 1
         -1 in reverse gears: all turns and is pushed the other way.
     states : S
     lines
         The main one first.
     vehicle_class
         Whose typical values stand in for what is not given.
-    left_out
+    excluded_lines
         Lines whose joints do not count: they turn at another speed than the main line.
-    firing : (amplitude N m, cylinders, litres)
-        Of the engine at full load.
+    firing_torque, cylinders : N m, 1
+        Amplitude at full load of the engine, and its cylinders.
     idle : rad/s
         Of the engine; a motor has none.
-    starts_by : clutch, converter or motor
+    starting_device : clutch, converter or motor
         What lets the vehicle start from rest; a motor does with nothing between.
     """
 

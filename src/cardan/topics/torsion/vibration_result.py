@@ -48,7 +48,7 @@ class ParametricResonance:
         Counted from 1, the rigid turning apart.
     speed : (G, S) rad/s
         At its middle.
-    nearest : (G, S) rad/s
+    nearest_speed : (G, S) rad/s
         The nearest speed that the gear has; nan where it has none.
     growth : (G, S) 1/s
         Of the zone's own multiplier, at that speed.
@@ -94,11 +94,11 @@ class PowertrainVibration:
         Speeds of the main line; nan where there are none.
     torque, speed : (G, S, orders, springs) N m, rad/s
         Largest vibratory torque of each order in each spring, and the speed it has it at.
-    mean : (G, S, springs) N m
+    mean_torque : (G, S, springs) N m
         Torque that the springs carry at the gear's full torque, each sign kept.
-    worst : (G, S, springs) N m
+    worst_vibratory_torque : (G, S, springs) N m
         Largest sum of the orders' torques at one speed.
-    peak, ratio : (G, S, springs) N m, 1
+    peak_torque, vibratory_ratio : (G, S, springs) N m, 1
         Largest sum of mean and vibratory torque at one speed; largest vibratory torque over
         the mean at the same speed.
     acceleration : (G, S, lines) rad/s²
@@ -129,9 +129,9 @@ class LineVibration:
 
     Attributes
     ----------
-    line, number
+    line
         Which line.
-    lateral : (G, hung shafts) 1/s
+    lateral_growth : (G, hung shafts) 1/s
         Largest growth of each shaft on a rubber bearing; nan where the bearing is rigid.
     """
 
@@ -157,13 +157,13 @@ class VibrationResult:
         Parametric zones of first order, the clutch closed.
     speeds, amplitudes : (k,) rad/s, (G, S, orders, k) N m
         Largest torque of the main line in forced motion; nan where a gear has no such speed.
-    firing : (G, springs) N m
+    firing_torque : (G, springs) N m
         Largest torque of the engine's firing order in each spring at the gear's speeds.
     shifts
         How the modes move with what was assumed.
     launches
         Starts from rest: those of the file, or a smooth one and a dropped clutch.
-    unstarted
+    failed_launches
         Those that could not be followed, and why.
     doubts
         What could not be evaluated, in words.

@@ -100,7 +100,7 @@ class LimitResults:
         Whether a value that does not fail is a lower bound: rubber is at its stop there.
     mass : (V,) kg
         Of all shafts; nan where one has no tube.
-    refused : (V,)
+    infeasible : (V,)
         Whether the driveline cannot exist so.
     why : str
         What the first of those says.
@@ -149,11 +149,11 @@ class EvaluatedVariants:
         What varies, in the unit its name ends in.
     limits
         Each limit, and the line that it applies to.
-    answers
+    results
         What each came to.
-    own : (V,)
+    independent : (V,)
         Which variants are drawn by themselves: shares count those.
-    unit : (V, factors)
+    unit_points : (V, factors)
         The points of the unit cube they were made of.
     """
 
@@ -372,9 +372,9 @@ class VariantEvaluator:
     ----------
     installed
         The approval of the application as it stands.
-    drawing
+    sampling_plan
         Where the variants lie.
-    single
+    unvectorised_inputs
         Numbers that the arrays cannot hold: with these a file is read for each variant.
     """
 

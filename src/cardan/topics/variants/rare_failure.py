@@ -52,7 +52,7 @@ class RareFailureEstimate:
     ----------
     line, limit
         Which.
-    ways
+    failure_modes
         Each way to fail, the nearest first: its distance, and what each input has to do with
         it; empty where none was found.
     second_order
@@ -62,7 +62,7 @@ class RareFailureEstimate:
         How often, by variants drawn about all of them; None if not requested.
     inputs : (names,)
         What varies, where it fails most likely.
-    lost
+    infeasible_count
         How many of those evaluated on the way cannot exist: they fail no limit.
     """
 

@@ -46,15 +46,15 @@ class SamplingPlan:
     ----------
     names
         What varies, `[*]` written out.
-    at : (inputs,)
+    nominal : (inputs,)
         Each as it is, in the unit of its name.
     factors
         What is drawn; several may change one input.
     grids
         Those that are gone through, not drawn.
-    mix : (tolerances, tolerances)
+    correlation_factor : (tolerances, tolerances)
         Lower factor of their correlations; None where they are independent.
-    points, seed
+    method, seed
         How they are spread, and which of all such spreads.
     """
 

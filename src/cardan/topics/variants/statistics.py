@@ -164,8 +164,8 @@ class QuantileSketch:
     """How values scatter: counts in cells whose edges grow by a fixed share.
 
     Columns are each limit's values, each limit's margins and the smallest margin. A quantile
-    is off by `FINE` of itself at most, however many variants there are; extremes and means
-    are exact. Source: Masson, Rim & Lee, DDSketch, VLDB 12 (2019).
+    is off by `QUANTILE_RELATIVE_ERROR` of itself at most, however many variants there are; extremes
+    and means are exact. Source: Masson, Rim & Lee, DDSketch, VLDB 12 (2019).
     """
 
     def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
@@ -212,7 +212,7 @@ def _cell(values: FloatArray) -> IntArray:
 
 
 def _inside(cell: IntArray) -> FloatArray:
-    """Return a value of each cell, at most `FINE` from any other there."""
+    """Return a value of each cell, at most `QUANTILE_RELATIVE_ERROR` from any other."""
     signed = cell - _MIDDLE
     size = np.exp((np.abs(signed) - _FAR) * _GROWTH) * (1 - QUANTILE_RELATIVE_ERROR)
     return np.where(signed == 0, 0.0, np.sign(signed) * size)

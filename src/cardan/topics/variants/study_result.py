@@ -73,22 +73,22 @@ class VariantStudyResult:
 
     Attributes
     ----------
-    bench
+    evaluator
         The application, and where its variants lie.
     variants
         What was evaluated.
-    asked
+    requested_count
         How many variants were requested; fewer are reported if the run was stopped.
-    states
+    statistics
         Their statistics, by name (`cardan.topics.variants.statistics`); `pareto` of those bred
         besides.
     rows
         Each variant, where they were kept.
-    rare
+    rare_failures
         How often limits fail that variants hardly ever did, if requested.
-    beyond
+    negligible_failures
         Those of them of which no failure was found that is near enough to count.
-    foretold
+    surrogate_yield
         The yield of many more, predicted from those evaluated, if requested.
     seconds
         How long this run took.

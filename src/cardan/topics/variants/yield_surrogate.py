@@ -42,13 +42,13 @@ class SurrogateYield:
 
     Attributes
     ----------
-    count, taught
+    count, training_count
         How many were predicted, and from how many.
     share, low, high
         That may be built, corrected by what was predicted wrongly; and its interval.
-    missed, praised
+    false_failures, false_passes
         Of those taught: predicted to fail but passing, predicted to pass but failing.
-    plain
+    without_surrogate
         Whether share and interval are those of the variants evaluated, as the prediction is no
         narrower.
     """
