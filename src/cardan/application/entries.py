@@ -19,7 +19,7 @@ class EnteredValue:
 
     Attributes
     ----------
-    at
+    address
         Its address, as errors print it.
     path
         The same without the numbers of items and without units: `driveline.shafts.tube.wall`.

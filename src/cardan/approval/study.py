@@ -39,13 +39,13 @@ class StudyResult(Generic[Answer]):
         Its name.
     answer
         Its own results, for its chapter of a report; None if it could not run.
-    checks, unanswered
+    checks, unevaluated
         Values compared with limits, and limits that got no number.
-    doubts
+    failure_reasons
         Why there is no result, in the words of what refused.
-    asked
+    was_run
         Whether the study was run at all.
-    refused
+    run_failed
         Whether it was, and ended without a result: nothing it is about is approved.
     """
 

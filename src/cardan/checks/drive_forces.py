@@ -26,7 +26,7 @@ class TorqueSpeedTimeHistory:
 
     Attributes
     ----------
-    time, turned : (P,) s, rad
+    time, input_angle : (P,) s, rad
         And how far the gearbox's yoke has turned.
     torque, speed : (P,) N m, rad/s
         Signed, as how far it has turned.

@@ -27,15 +27,15 @@ class AdjustmentAmounts:
         Of each centre bearing.
     shim : (V, 1) rad
         Turn of the axle on its springs, the pinion's nose rising.
-    shim_ahead : (V, 1) rad
+    input_axle_shim : (V, 1) rad
         The same of the axle that the line leaves, if it leaves one.
     phases : (V, 1, n-1) rad
         Yoke phases added to those installed.
-    stiffer : (V, 1) 1
+    stiffness_increase : (V, 1) 1
         Share by which the rubber of all centre bearings is stiffer.
-    lossier : (V, 1) 1
+    loss_factor_increase : (V, 1) 1
         Share by which its loss factor is higher.
-    ahead : (V, 1) m
+    bearing_offset_increase : (V, 1) m
         How much farther ahead of their rear joints all centre bearings sit.
     """
 

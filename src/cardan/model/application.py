@@ -103,7 +103,7 @@ class Obstacle:
     """Something the line must clear: a capsule from `start` to `end` with a radius.
 
     Coordinates (x, y, z) are those of the driveline's points. `on_axle` obstacles move
-    with the axle the line drives; others stay on the frame, or follow `moves_with` of
+    with the axle the line drives; others stay on the frame, or follow
     `travel_share` times its travel (an auxiliary axle's beam).
     """
 
@@ -280,10 +280,10 @@ class ApplicationSourceText:
         Numbers that stand in place of the text's own, by address, in the text's units.
     numbers
         Every number of the design by its address, in the text's units, as read.
-    single
+    fixed_numbers
         The numbers in addition to the design, of limits and ranges, which have no variants in
         arrays.
-    beside
+    referenced_files
         The files that the text names, and that were read with it.
     application
         What was read: where a part has been replaced since, the text says something else.

@@ -30,11 +30,11 @@ class BracketCompliance:
     Attributes
     ----------
     frequencies : (m,) rad/s
-    motion : (m, 3) kg^-1/2
+    seat_mode_shapes : (m, 3) kg^-1/2
         Of the seat in each mode of unit modal mass.
-    parts : (m, c)
+    mode_composition : (m, c)
         Of what each mode is made: columns of unit forces at the seat and of mode shapes.
-    loss
+    loss_factor
         Share η of its energy that the bracket loses in a radian.
     """
 

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 class Table:
     """A table: the first `words` columns are text, the others numbers.
 
-    `grades` colours cells, "" leaves one plain; `row_heads` says whether the first column
-    names its row.
+    `grades` colours cells, "" leaves one plain.
     """
 
     caption: str
