@@ -313,7 +313,7 @@ class Corrections(tuple[fixes.Correction, ...]):
 
 
 class Sizing(sizings.SizingResult):
-    """Other parts that would do: `remedies`, `hopeless`, and the `approval` with them."""
+    """Other parts that would do: `remedies`, `unresolved` checks, and the `approval` with them."""
 
     def __repr__(self) -> str:
         return _first_lines(str(self))
@@ -332,7 +332,7 @@ class Sizing(sizings.SizingResult):
 class Sweep(VariantStudyResult):
     """What variants come to: `yield_`, `interval()`, `shares`, and what else was requested.
 
-    Where each variant was kept also `verdicts`, `margins`, `varied`, and each limit's `held`.
+    Where each variant was kept also `verdicts`, `margins`, `input_columns` and `limit_columns`.
     """
 
     @property

@@ -15,7 +15,7 @@ def template_names() -> tuple[str, ...]:
 
 
 def template_text(kind: str = "small") -> str:
-    """Return a commented application file to start from, one of `kinds`.
+    """Return a commented application file to start from, one of `template_names`.
 
     Raises
     ------

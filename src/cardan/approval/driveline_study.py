@@ -78,9 +78,9 @@ class EvaluatedLimit:
     `asks` is where it applies, and `values` are evaluated, both (..., states, parts): nan
     where it does not apply, or is not known. `may_apply` (states, parts) is where it would apply
     at other angles, speeds and torques: it looks at the kinds of states and joints alone.
-    Values are the worst of all operating points where the limit applies at those, `spots` says
-    at which, and `own` are those at the state's own torque and speed. One that is required of
-    kinds of state that are not there applies to the first, and is not evaluated. Where
+    Values are the worst of all operating points where the limit applies at those, `worst_points`
+    says at which, and `own_point_values` are those at the state's own torque and speed. One that is
+    required of kinds of state that are not there applies to the first, and is not evaluated. Where
     `validity_margin` (..., states, parts) is negative values are lower bounds; elsewhere it is
     infinite.
     """

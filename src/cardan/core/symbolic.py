@@ -26,7 +26,7 @@ CellReference: TypeAlias = str | tuple[str, str]
 
 
 class ConstantWithDisplayText(float):
-    """A number that prints as people write it: `shown` in texts, `cell` in spreadsheets.
+    """A number that prints as people write it: `text` in texts, `spreadsheet_text` in spreadsheets.
 
     Both are in the units of the printed formula where those are not SI, like a factor 1.5·10⁶
     between hours, rpm and degrees; arrays compute with its value as with any number.
@@ -44,7 +44,7 @@ class ConstantWithDisplayText(float):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Expression:
-    """A symbol, a phasor, a number, or an operation `head` on others."""
+    """A symbol, a phasor, a number, or an `operation` on others."""
 
     operation: str
     operands: tuple["Expression", ...] = ()
@@ -183,7 +183,7 @@ class Expression:
         return self.to_spreadsheet_pair(**where)[0]
 
     def to_spreadsheet_pair(self, **where: CellReference) -> tuple[str, str]:
-        """Return its real and its imaginary part, as `cells` returns the real one."""
+        """Return its real and its imaginary part, as `to_spreadsheet` returns the real one."""
         named: dict[str, str] = {}
         for name, held in where.items():
             both = (f"{name} re", f"{name} im")

@@ -43,10 +43,11 @@ DECIDING_COLUMNS = ("column that decides", "smallest margin", "value that decide
 class LiveFormulas:
     """Formulas that follow the inputs, in the columns of a row of limits.
 
-    `cells` are what the row shows and `values` what they give for the inputs as written, in
-    the unit shown; § stands for a column's letter in `angle`, the largest joint angle in
-    deg, and in `idle`, which are 0 where no limit applies. `method` names an approximation:
-    where it is "" the formulas are as exact as `cardan`. A cell holds the word for stale where
+    `cell_formulas` are what the row shows and `values` what they give for the inputs as written, in
+    the unit shown; § stands for a column's letter in
+    `largest_angle_cell`, the largest joint angle in
+    deg, and in `zero_if_idle_cells`, which are 0 where no limit applies. `approximation` names
+    one: where it is "" the formulas are as exact as `cardan`. A cell holds the word for stale where
     its state is no longer what the formula stands on.
     """
 
@@ -62,8 +63,8 @@ class LiveFormulas:
 class LimitRow:
     """One limit and the values of one part that it is held against, SI; nan where none is.
 
-    `may` is which columns it may apply to, `missing` where it applies and got no number,
-    for want of `needs`.
+    `may_apply` is which columns it may apply to, `missing` where it applies and got no number,
+    for want of `missing_inputs`.
     """
 
     label: str

@@ -66,10 +66,10 @@ class AdjustmentAmounts:
 class Adjustment:
     """A kind of thing that may be moved. Lengths in m, angles in rad.
 
-    `move` enters the amounts (V,) of one part, from 1, into what is moved; `count` is how
-    many parts a line has. `reach` is how far it may go if not given: engineering judgement,
-    assumed. `choice` marks what is set at the ends of its range, not between; `fitted` what
-    takes other parts, so that it moves only where the file says so.
+    `apply` enters the amounts (V,) of one part, from 1, into what is moved; `count` is how
+    many parts a line has. `default_range` is how far it may go if not given: engineering judgement,
+    assumed. `extremes_only` marks what is set at the ends of its range, not between;
+    `explicit_only` what takes other parts, so that it moves only where the file says so.
     """
 
     key: str

@@ -170,8 +170,8 @@ def duty_cycle_points(
 class PermittedAdjustment:
     """Something `fix` may move, and how far: value range around what is installed.
 
-    `what` is a key of `cardan.model.adjustments.ADJUSTMENTS`. `part` counts from 1 (bearing or
-    shaft). `hold` keeps it where it is.
+    `adjustment_key` is a key of `cardan.model.adjustments.ADJUSTMENTS`. `part` counts from 1
+    (bearing or shaft). `hold` keeps it where it is.
     """
 
     adjustment_key: str

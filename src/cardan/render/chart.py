@@ -47,7 +47,7 @@ class DataSeries:
 
 @dataclass(frozen=True, kw_only=True)
 class LimitBand:
-    """A range of a chart's values in which a check warns or fails; `along` says of which axis.
+    """A range of a chart's values in which a check warns or fails; `axis` says of which axis.
 
     It begins at its low end, with a line there, or `line_at_high_end` at its high one.
     """

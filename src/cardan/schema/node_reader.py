@@ -78,7 +78,7 @@ class TableReadContext:
     """What comes up while a file is read, and where the names in it are looked up.
 
     `changes` are numbers in place of the file's, by address; `numbers` is what was read at
-    each address where variants may stand, `fixed` where only one number may.
+    each address where variants may stand, `fixed_numbers` where only one number may.
     """
 
     catalogue: Any = None

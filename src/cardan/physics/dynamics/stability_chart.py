@@ -101,7 +101,7 @@ def zero_contour(
     ----------
     margin
         Called with arrays of points; should be signed and smooth on both sides
-        (`growth` of a damped system is).
+        (a growth rate of a damped system is).
     x, y
         The rectangle.
     start

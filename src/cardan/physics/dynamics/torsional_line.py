@@ -562,7 +562,7 @@ class InstabilityZone:
 
     `modes` count from 1: a principal zone names one mode twice. `order` N says that 2 N
     times the speed meets them. `low` and `high` are shaft speeds, rad/s; both nan where
-    damping has closed the zone. `rate` is the largest growth in it, 1/s.
+    damping has closed the zone. `max_growth_rate` is the largest growth in it, 1/s.
     """
 
     kind: ZoneKind

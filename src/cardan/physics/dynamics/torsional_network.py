@@ -355,7 +355,7 @@ def first_order_torques(
 
     Order 2 to first order in tan²(β/2), 4 without what order 2 makes of itself. `pins`
     (..., J) rad are the places of the pins with the line twisted, `torque` (..., J) N m what
-    each joint carries. Costs one solution, where `forced` takes some rounds.
+    each joint carries. Costs one solution, where `forced_torsional_response` takes some rounds.
     """
     n, E = line.size, line.straight_transform
     m = np.asarray(order, dtype=float)

@@ -86,7 +86,8 @@ def sequences_between_crack_lengths(
     """Passages of a history that grow a crack from `start` to `end`.
 
     ∫ da / (growth per passage), by Gauss-Legendre in ln a: right when one passage grows the
-    crack by little. Infinite if it stops on the way. Use `grown` near the end of life.
+    crack by little. Infinite if it stops on the way. Use `grow_cycle_by_cycle` near the end of
+    life.
     """
     if not 0 < start < end:
         msg = f"a crack must grow from above 0 to more, got {start:g} to {end:g}"

@@ -62,7 +62,7 @@ def _frequencies(segment: int, rate: float) -> FloatArray:
 
 
 class WelchEstimator:
-    """Welch's estimate, block by block, however they are cut: `add` each, then read `spectrum`."""
+    """Welch's estimate, block by block: `update` with each, then read `spectrum`."""
 
     def __init__(self, rate: float, segment: int) -> None:
         self.rate, self.segment, self.count = rate, segment, 0

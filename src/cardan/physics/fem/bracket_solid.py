@@ -40,8 +40,8 @@ class BracketSolid:
     """A solid in metres, the bearing's centre at its origin.
 
     `shape` is the kernel's; its faces are called "seat", "bolt 1", "bolt 1 wall", ..., "end 1",
-    ..., "mount", "weld" or "free". `thickness` is that of its walls, `volume` in m³. `found` says
-    what was found of the picks in a STEP file.
+    ..., "mount", "weld" or "free". `thickness` is that of its walls, `volume` in m³.
+    `face_selections` says what was found of the picks in a STEP file.
     """
 
     shape: Any

@@ -19,7 +19,7 @@ from cardan.physics.kinematics.joint_chain import ChainRotation, rotate_chain
 class DoubleJointSplit:
     """How a double joint shares its angle, and how long its centre piece must be.
 
-    `front` and `rear` are the angles of the two Hooke joints, (...) rad; `distance` is
+    `front_angle` and `rear_angle` are those of the two Hooke joints, (...) rad; `joint_spacing` is
     between their centres, (...) m.
     """
 

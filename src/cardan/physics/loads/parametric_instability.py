@@ -34,7 +34,9 @@ from cardan.physics.loads.rubber_mount import MountedLine
 def two_mode_growth(
     on: MountedLine, swing: ComplexArray, *, speed: ArrayLike, torque: ArrayLike
 ) -> FloatArray:
-    """Return the largest growth of any two modes by themselves, (...) 1/s: nearly `growth`.
+    """Return the largest growth of any two modes by themselves, (...) 1/s.
+
+    It is nearly `line_swing_growth_rate`.
 
     To this order it is the same whichever way the line turns.
     """

@@ -344,7 +344,7 @@ class BearingForceScreeningModel:
         turned : (P,) rad
             How far the gearbox's yoke has turned.
         torque, speed, on_axle, travel, slip : (P,)
-            As `at` has them, at each instant.
+            As `bearing_forces_at` has them, at each instant.
         """
         ride = self.axle_positions.normalised_coordinates(on_axle, travel)
 

@@ -500,7 +500,7 @@ def assess_gauges(
     Raises
     ------
     DesignError
-        If a gauge has no samples; `counted` leaves what it did to that one unknown.
+        If a gauge has no samples.
     """
     found = assess_damage_at_gauges(
         recording, plan=plan, healths=healths, distance=distance, progress=progress

@@ -353,7 +353,7 @@ class OrderFit:
     waveform : (n,)
         Of the order.
     columns : (columns, n)
-        Forces, plain and through each of the `poles`, that make it.
+        Forces, plain and through each of the `modes`, that make it.
     fitted_signal : (n,)
         What they were fitted to: in its blows the fit itself.
     demodulated, stretch : m

@@ -234,7 +234,7 @@ def stress_peaks(of: UsageHistory, *, count: int = 8, apart: float = 5.0) -> lis
 class UsageBin:
     """Seconds of one sort: what closed in them, their time s and way m.
 
-    `share` is of the whole damage, with what is left open; `of_closed` of what closed.
+    `share` is of the whole damage, with what is left open; `closed_damage_share` of what closed.
     """
 
     name: str

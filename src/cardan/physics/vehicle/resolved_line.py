@@ -37,7 +37,7 @@ _LOADED_AS: dict[SuspensionState, str] = {
 class LoadStateWithMultiplier:
     """What loads the vehicle in a state: a load state, so many times over.
 
-    `load` is None where the vehicle gives none of that name.
+    `load_state` is None where the vehicle gives none of that name.
     """
 
     name: str

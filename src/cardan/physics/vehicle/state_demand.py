@@ -65,7 +65,7 @@ __all__ = [
 class LineStateDemand:
     """What one line has to bear, (variants ..., states). What cannot be derived is nan.
 
-    `demand_with_axle_moved_by_torque` torques of its own the points come before all other axes, so
+    For `demand_with_axle_moved_by_torque` the points come before all other axes, so
     that numbers of the line, which come as (V, 1), broadcast with both.
 
     Attributes
@@ -79,7 +79,7 @@ class LineStateDemand:
     undisplaced_layout : (..., S, n, 3) m
         The layouts before the suspension moved them: the reference, or a state's own.
     axle_motion : shift (..., S, 3) m, pitch (..., S) rad, arm (..., 3) m
-        How the suspension moves the axle; `corrected` repeats it with other changes.
+        How the suspension moves the axle; corrections repeat it with other changes.
     torque : (..., S) N m
         For the loads: the smaller of engine and slip torque, or as the application says.
         Negative where the line holds back: in brake wind-up it carries the overrun torque.

@@ -269,7 +269,7 @@ def j3311_wheel_slip_torque(load: ArrayLike, *, radius: ArrayLike, ratio: ArrayL
     """J3311's wheel slip torque WST of axle capacity (...) N, in N m.
 
     WST = 0.71 W RR / (11.4 AR) lb-ft with RR in inches: 11.4 is 12 in/ft times 0.95, so it
-    is `slip_torque` at friction 0.71 and axle efficiency 0.95.
+    is `slip_torque_at_friction` at friction 0.71 and axle efficiency 0.95.
 
     Parameters
     ----------

@@ -124,7 +124,8 @@ def analyse_bracket(
 class BracketShapeAssessor:
     """An application's line, ready to be hung in one shape of its bracket after the other.
 
-    `installed` is the bracket whose gauges recordings were made with, known once it is solved.
+    `installed_solution` is the bracket whose gauges recordings were made with, known once it is
+    solved.
     """
 
     bracket: Bracket

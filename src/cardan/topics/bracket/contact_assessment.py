@@ -66,8 +66,9 @@ class ContactResult:
 class BoltedContactAnalysis:
     """A flange tightened against its frame, and the places where its stress is followed.
 
-    `tight` is on a hard frame, `soft` on one that gives as thick metal does. `features` are those
-    of the places of each way held, `count` how many there are in all.
+    `on_rigid_frame` is on a hard frame, `on_elastic_frame` on one as flexible as thick metal.
+    `place_features` are those
+    of the places of each way held, `feature_count` how many there are in all.
     """
 
     on_rigid_frame: PreloadedFlange

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 class BracketStudy:
     """The bracket a centre bearing hangs in, under the driveline's loads and those by hand.
 
-    `extra` cases count with those of the application.
+    `extra_cases` count with those of the application.
     """
 
     extra_cases: "tuple[BearingLoadCase, ...]" = ()

@@ -33,10 +33,10 @@ class Correction:
     """A correction of one line, and what the application comes to with it.
 
     `margin` is the least to a warning among the limits that moving can change, which the search
-    goes by, and `before` the same as installed. `approval` is that of the whole application so
-    corrected, `installed` as it stands; `survival` how many trucks keep what it promises as
-    they scatter, None where nothing does. `changeable` are the limits, by line and part, that
-    moving can change and correct.
+    goes by, and `margin_before` the same as installed. `approval` is that of the whole application
+    so corrected, `installed_approval` as it stands; `tolerance_yield` how many trucks keep what it
+    promises as they scatter, None where nothing does. `changeable` are the limits, by line and
+    part, that moving can change and correct.
     """
 
     line: str

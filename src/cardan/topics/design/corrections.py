@@ -431,7 +431,7 @@ def find_corrections(
     Parameters
     ----------
     application
-        Its `adjustables` say what may move and how far; without any, centre bearings by
+        Its permitted adjustments say what may move and how far; without any, centre bearings by
         30 mm, the axle by 3 deg of shim, and every shaft aligned or crossed.
     line
         Which line; by default the one with the worst check.

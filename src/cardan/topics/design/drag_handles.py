@@ -39,7 +39,7 @@ STUB_END_DRAG_STEP_M = 2e-3
 class DragHandle:
     """Something that can be moved: the k-th of its kind, from 1, of a line.
 
-    Obstacles count as the file lists them. `ways` are the axes it moves along.
+    Obstacles count as the file lists them. `axes` are those it moves along.
     """
 
     kind: HandleKind

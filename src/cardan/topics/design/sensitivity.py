@@ -48,8 +48,8 @@ class AdjustmentEffect:
     `low` and `high` are how far it is moved: by a step, or to the ends of its range where no
     step of anything helps; by half of that where the whole spoils something and the half does
     not. `back` and `forth` are values in the check's own state, and of a way that helps there the
-    worst of all states. `spoilt` is the worst of what the way that helps makes warn or fail that
-    did not before.
+    worst of all states. `side_effect` is the worst of what the way that helps makes warn or fail
+    that did not before.
     """
 
     adjustable: PermittedAdjustment

@@ -133,8 +133,9 @@ class PartProposal:
 class Remedy:
     """An offer, and the checks that need it, each as it was and with the offer in place.
 
-    `worse` are checks that then warn and did not before. `survival` is how many trucks keep
-    what the line then comes to, as `trucks` scatter. `others` are other ways to answer the same.
+    `worsened_checks` are those that then warn and did not before. `tolerance_yield` is how many
+    trucks keep what the line then comes to, as they scatter by `tolerance_model`. `alternatives`
+    are other ways to answer the same.
     """
 
     offer: PartProposal
@@ -165,7 +166,8 @@ class Remedy:
 class UnresolvedCheck:
     """A check that nothing on offer answers.
 
-    `offer` is the smallest that would, if `fails` did not then fail; None where there is none.
+    `offer` is the smallest that would, if `newly_failing_check` did not then fail; None where there
+    is none.
     """
 
     check: Check

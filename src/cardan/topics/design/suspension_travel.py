@@ -151,7 +151,7 @@ def _held(suspension: Suspension | None) -> Suspension | None:
 
 
 def drive_mode_of_torque(response: LineResponse, torque: float) -> DriveMode:
-    """Return how a line is turned that a torque stands for in `ride`, without brakes."""
+    """Return how a line is turned by a torque in `line_at_axle_position`, without brakes."""
     if torque >= 0:
         return "drive"
     return "reverse" if np.any(_reverses(np.asarray(torque), response.demand)) else "coast"

@@ -81,7 +81,7 @@ class StrainLifeSettings:
 class CrackGrowthSettings:
     """How a crack is judged: lengths in m, growth C ΔK^m, m a cycle and MPa√m, above a threshold.
 
-    `shape` is Y of K = Y S √(πa).
+    `geometry_factor` is Y of K = Y S √(πa).
     """
 
     initial_size: float

@@ -124,7 +124,7 @@ def analyse_campaign(
     Raises
     ------
     CardanError
-        As `listen`, of the file and of each recording.
+        As `analyse_recording`, of the file and of each recording.
     """
     written = campaigned(of, allow_outside=allow_outside) if isinstance(of, Path) else of
     try:

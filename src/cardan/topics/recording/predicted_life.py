@@ -57,7 +57,7 @@ def predict_life(
     rate : Hz
         Of its samples.
     rotation, torque, seconds
-        The drive, as `load_history` takes it.
+        The drive, as `bearing_force_history` takes it.
     plan, lives
         How cycles count, and what they came to as recorded.
 

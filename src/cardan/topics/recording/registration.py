@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class RecordingCampaignStudy:
     """What a campaign's recordings did to its gauges, held against its limits and the file's.
 
-    `draw` where a report is to show it; `allow_outside` lets the campaign name files outside
+    `with_figures` if a report is to show it; `allow_outside` lets the campaign name files outside
     its own folder.
     """
 

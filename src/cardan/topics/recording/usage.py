@@ -66,7 +66,7 @@ class UsageDamage:
     residue_share
         Share of the damage that is of the open residue, of no second.
     residue_damage
-        What that is; with `groups` and `unknown` it is the whole damage.
+        What that is; with `bins` and `unassigned` it is the whole damage.
     stress_peaks
         The largest stresses.
     long_run

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 class VibrationStudy:
     """Every gear's speeds against torsional resonances, parametric zones and flutter.
 
-    What `surroundings` say goes before the application's own; what is not given is assumed.
+    What `adjacent_rotors` say goes before the application's own; what is not given is assumed.
     """
 
     adjacent_rotors: GearboxAndAxleRotors | None = None

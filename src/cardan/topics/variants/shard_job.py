@@ -37,7 +37,7 @@ from cardan.topics.variants.statistics import (
 
 @dataclass(frozen=True, kw_only=True)
 class ShardJob:
-    """What a worker has to know to evaluate any shard; `prints` distinguish it from another."""
+    """What a worker needs for any shard; `fingerprints` distinguish it from another."""
 
     application: Application
     variants: VariantStudy

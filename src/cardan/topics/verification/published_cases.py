@@ -95,7 +95,7 @@ CaseKind: TypeAlias = Literal["published", "untraced", "derived"]
 class BenchmarkCase:
     """One published number, and what this program computes for it, in the unit printed.
 
-    `within` is the largest difference that rounding in print explains.
+    `tolerance` is the largest difference that rounding in print explains.
     """
 
     title: str

@@ -58,7 +58,7 @@ SEARCH_STEPS_PER_WINDOW, SEARCH_WINDOWS_PER_BLOCK = 6, 128
 
 
 class GainChangeDetector:
-    """Compares channels with each other, span by span: `add` each piece, then read `found`."""
+    """Compares channels, span by span: `update` with each piece, then call `result`."""
 
     def __init__(self, rate: float, count: int) -> None:
         self.size, self.count = max(round(SPAN_S * rate), 1), count
