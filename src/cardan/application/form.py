@@ -49,7 +49,7 @@ def application_text_from_form(form: FormData, *, decimal: str = ".") -> str:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         With every field that holds no number where there must be one, by its key.
     """
     reader = _Reader(form, decimal)

@@ -115,7 +115,7 @@ class GeometryTable(Table):
 
         Raises
         ------
-        Spoilt
+        InvalidValueError
             With the problem noted, if the line cannot run like this.
         """
         if self.points is not None:

@@ -67,7 +67,7 @@ def limit_deviation_file_changes(
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If the limits stand in a way that cannot be changed in place, or a deviation is no
         limit that can be.
     """

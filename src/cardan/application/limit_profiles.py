@@ -199,7 +199,7 @@ def load_profile(name: str) -> LimitProfile:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If there is none of that name, or with everything wrong in the file.
     """
     if name.endswith((".yaml", ".yml")):

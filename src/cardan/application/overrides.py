@@ -50,7 +50,7 @@ def change(
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If there is no number at an address, or it cannot be what it is to become; the
         problems are those of a file that says so.
     DesignError

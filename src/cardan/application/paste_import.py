@@ -82,7 +82,7 @@ def parse_hardpoints(pasted: str, *, unit: str = "") -> tuple[tuple[float, float
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         With every row that is neither, by its line and column.
     """
     rows = pasted.splitlines()[: 10 * MAX_PASTED_ROWS]

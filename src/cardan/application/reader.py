@@ -110,7 +110,7 @@ def read(
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         With everything wrong in it: line, column, key, value, what is allowed and advice.
         What looks wrong but can be read is in `Application.warnings`.
     """

@@ -35,7 +35,7 @@ class YamlEditor:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If the text is no YAML.
     """
 
@@ -71,7 +71,7 @@ class YamlEditor:
 
         Raises
         ------
-        BadFile
+        InvalidFileError
             If a value cannot be written where it would stand: a name stands there for a value
             given elsewhere, or its table is not in the text. Nothing is written then.
         """

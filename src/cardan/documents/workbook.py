@@ -45,7 +45,7 @@ def workbook_bytes(of: Approval, *, say: Translator) -> bytes:
 
     Raises
     ------
-    MissingExtra
+    MissingDependencyError
         If XlsxWriter is not installed.
     """
     xlsxwriter = import_optional("xlsxwriter")

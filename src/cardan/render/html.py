@@ -41,7 +41,7 @@ def html_page(of: ReportDocument) -> str:
 
     Raises
     ------
-    MissingExtra
+    MissingDependencyError
         If Jinja2 is not installed.
     """
     jinja2 = import_optional("jinja2")

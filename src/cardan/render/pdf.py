@@ -63,7 +63,7 @@ def pdf_document(of: ReportDocument) -> bytes:
 
     Raises
     ------
-    MissingExtra
+    MissingDependencyError
         If typst is not installed.
     """
     # Without the entry no suspects is meant too, and poppler, which takes a `false` for a
@@ -84,7 +84,7 @@ def figure_png(figure: Figure, *, ppi: float = 144) -> bytes:
 
     Raises
     ------
-    MissingExtra
+    MissingDependencyError
         If typst is not installed.
     """
     typst = import_optional("typst")

@@ -53,7 +53,7 @@ def write_atomically(
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If the file is there already and `replace` is False, or cannot be written; also if its
         links lead out of the folder `within`, as they are at this moment.
     """
@@ -80,7 +80,7 @@ def check_within(path: Path, target: Path | int, folder: Path) -> None:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If it is elsewhere.
     """
     if isinstance(target, int) or not target.is_relative_to(folder):
@@ -92,7 +92,7 @@ def encode_text(path: Path, text: str) -> bytes:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If it holds half a letter, as browsers can: one of the two that make up a rare one.
     """
     try:
@@ -116,7 +116,7 @@ def check_output_paths(
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If an output is an input or a part of this program, if two outputs are one file, if a
         name ends as another option's files do, or if one has no place.
     """

@@ -185,7 +185,7 @@ def parse_yaml(text: str, file: str) -> tuple[Node, list[FileIssue]]:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If the text is no YAML, or not what this program reads of it.
     """
     from yaml import YAMLError
@@ -407,7 +407,7 @@ def reject_hidden_characters(text: str, file: str) -> None:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         With the line and column of the first one.
     """
     if found := _hidden(text, _CONTROL):
@@ -496,7 +496,7 @@ def read_text(path: Path) -> str:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If it cannot be read, is no UTF-8 text, or far too long to be meant.
     """
     try:

@@ -70,7 +70,7 @@ def edits_for_pasted_points(
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If the line does not have as many joints.
     """
     app = read.application

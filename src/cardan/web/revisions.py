@@ -41,7 +41,7 @@ def release_revision(file: Path, text: str, *, by: str, note: str) -> None:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If it cannot be read, so that what is signed is unknown, no name is given, or it cannot
         be written; nothing is left then.
     """

@@ -44,7 +44,7 @@ def static_files() -> dict[str, tuple[bytes, str]]:
 
     Raises
     ------
-    NotInstalled
+    MissingDependencyError
         If it has not been built.
     """
     folder = files("cardan.web").joinpath("static")

@@ -31,9 +31,9 @@ def standalone_page(text: str, *, name: str, folder: str | None, say: Translator
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If the text cannot be read.
-    NotInstalled
+    MissingDependencyError
         If the page has not been built.
     """
     style, code = _style_and_script()

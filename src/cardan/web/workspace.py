@@ -84,7 +84,7 @@ class OpenFile:
 
         Raises
         ------
-        BadFile
+        InvalidFileError
             If it cannot be read, or is a link out of its folder by now.
         """
         if not self.path.exists():
@@ -118,7 +118,7 @@ class Workspace:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         If there is nothing to open.
     """
 
@@ -235,7 +235,7 @@ class Workspace:
 
         Raises
         ------
-        BadFile
+        InvalidFileError
             If it cannot be written, or there are too many files.
         """
         if len(self.files) >= MAX_FILES:
@@ -278,9 +278,9 @@ class Workspace:
 
         Raises
         ------
-        Conflict
+        EditConflictError
             If the file is another than the one marked `base`: nothing is written.
-        BadFile
+        InvalidFileError
             If it cannot be written.
         """
         paper, text = self.files[number], normalise_line_ends(text)

@@ -1,6 +1,7 @@
-"""Docstrings name what their objects have: a field or parameter renamed is renamed there too."""
+"""Docstrings name what their objects have: a field or error renamed is renamed there too."""
 
 import ast
+import builtins
 import re
 
 from repository import ROOT
@@ -53,6 +54,25 @@ def test_documented_fields_and_parameters_exist():
         for stale in stale_names(module.read_text(encoding="utf-8"))
     ]
     assert found == []
+
+
+def documented_errors(source):
+    """Yield the names that head the descriptions of what is raised."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.FunctionDef):
+            _, _, raised = (ast.get_docstring(node) or "").partition("Raises\n------\n")
+            heads = re.findall(r"^(?!-)(\S.*)\n    ", raised.partition("\n\n")[0], re.MULTILINE)
+            yield from (name.strip() for head in heads for name in head.split(","))
+
+
+def test_documented_errors_exist():
+    sources = [m.read_text(encoding="utf-8") for m in (ROOT / "src").rglob("*.py")]
+    classes = {
+        n.name for s in sources for n in ast.walk(ast.parse(s)) if isinstance(n, ast.ClassDef)
+    }
+    named = {name for source in sources for name in documented_errors(source)}
+    assert len(named) > 8
+    assert named - classes - {*dir(builtins), "LinAlgError"} == set()
 
 
 def test_renamed_field_is_found_in_docstring():

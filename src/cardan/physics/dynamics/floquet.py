@@ -190,7 +190,7 @@ def monodromy_matrix(system: PeriodicSystem, *, tolerance: float = 1e-10) -> Flo
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If 8192 steps a period are not enough.
     """
     found, scale, _ = _settled(system, tolerance)

@@ -183,7 +183,7 @@ def rattle(
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If there are more changes of state: chattering contacts, or too long a duration.
     """
     from scipy.integrate import solve_ivp

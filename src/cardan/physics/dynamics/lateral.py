@@ -307,7 +307,7 @@ def misaligned_shaft_system(
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If no forced motion is found in any case: torque or angle bend the shaft too far.
 
     Notes

@@ -135,7 +135,7 @@ def integrate_launch(
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If the motion runs away.
     """
     # Two instants to a step: half way through one the motion is known as well.

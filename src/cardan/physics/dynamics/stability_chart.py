@@ -236,7 +236,7 @@ def instability_tongue(
 
     Returns
     -------
-    Tongue
+    InstabilityTongue
         None if no point of the top row near the centre is in a zone.
     """
 
@@ -369,7 +369,7 @@ def trace_zero_contour_from_point(
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If no point of the line is found near `start`.
     """
     origin = np.array([x[0], y[0]])

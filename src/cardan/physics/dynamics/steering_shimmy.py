@@ -249,7 +249,7 @@ def shimmy(
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If there are more changes of state: chattering contacts, or too long a duration.
 
     Notes

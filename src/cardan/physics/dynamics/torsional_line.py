@@ -479,7 +479,7 @@ def periodic_motion(
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If Newton's method settles in no case in 60 steps: an undamped line in resonance, or
         one whose motion is far from the rigid one. Where others settle, the motion of one
         that does not is nan.
@@ -606,7 +606,7 @@ def instability_zones(
 
     Returns
     -------
-    tuple of Zone
+    tuple of InstabilityZone
         Of each order principal zones first, then the combinations of each pair; closed ones
         included.
 

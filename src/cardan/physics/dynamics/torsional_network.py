@@ -277,7 +277,7 @@ def forced_torsional_response(
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If no motion settles: within a parametric zone that damping leaves open. Where that is
         not `strict` such cases are nan.
     """

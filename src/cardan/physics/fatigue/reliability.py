@@ -131,7 +131,7 @@ def first_order_reliability(
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If no design point was found; start nearer or smooth the limit state.
 
     Notes
@@ -311,7 +311,7 @@ def second_order_reliability(
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If the surface closes about the median faster than second order knows: sample instead.
     """
     from scipy.special import erfcx

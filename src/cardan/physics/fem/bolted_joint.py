@@ -136,7 +136,7 @@ class BoltedFlange:
 
         Raises
         ------
-        NotConverged
+        ConvergenceError
             If its bolts cannot press it on: they lie in one line, say.
         """
         given = np.zeros(len(self.compliance))
@@ -211,7 +211,7 @@ class PreloadedFlange:
 
         Raises
         ------
-        NotConverged
+        ConvergenceError
             If no forces that press and rub bear the loads: it slips or opens.
         """
         of = self.flange
@@ -277,7 +277,7 @@ class PreloadedFlange:
 
         Raises
         ------
-        NotConverged
+        ConvergenceError
             If the programme finds no solution.
         """
         from scipy.optimize import linprog

@@ -175,7 +175,7 @@ class ElasticSolid:
 
         Raises
         ------
-        NotConverged
+        ConvergenceError
             If equilibrium is missed by more than 1e-8 of the load, and displacements still move by
             more than a share `still` of themselves: the solid is not held.
         """

@@ -35,7 +35,7 @@ def build_solid(part: Shape) -> BracketSolid:
     ------
     DesignError
         If the kernel cannot build the shape, or a STEP file or a face of it is not found.
-    NotInstalled
+    MissingDependencyError
         Without the extra `cardan[bracket]`.
     """
     if isinstance(part, StepFileShape):

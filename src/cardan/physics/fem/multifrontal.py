@@ -70,7 +70,7 @@ def multifrontal_cholesky(stiffness: Any, free: BoolArray) -> MultifrontalFactor
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If it is not positive: not every direction is held.
     """
     from scipy.linalg import LinAlgError, cholesky, solve_triangular

@@ -19,7 +19,7 @@ def import_ngsolve() -> NgSolveModules:
 
     Raises
     ------
-    NotInstalled
+    MissingDependencyError
         With what to install. On a bare Linux NGSolve names a missing libopenblas, but that
         one came with it: it does not load for want of the system's libquadmath.
     """

@@ -205,7 +205,7 @@ def mesh_and_solve_unit_loads(
     ------
     DesignError
         If the mesher fails.
-    NotConverged
+    ConvergenceError
         If the bolts leave the bracket free to move.
     """
     tell("meshing")

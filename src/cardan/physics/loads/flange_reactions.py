@@ -21,7 +21,7 @@ def flange_bearing_forces(
     Parameters
     ----------
     force, moment
-        Of N and N m, on the flange at the joint centre: `Loads.gearbox_force` and
+        Of N and N m, on the flange at the joint centre: `JointLoads.gearbox_force` and
         `gearbox_moment`, or the pinion's.
     outward : (..., 3) 1
         Unit vector from the bearings towards the joint: member 0's direction at the
@@ -33,7 +33,7 @@ def flange_bearing_forces(
 
     Returns
     -------
-    far, near : Cycle, Cycle
+    far, near : HalfTurnSeries, HalfTurnSeries
         Forces on the bearings, square to the axis; near is the one by the joint. GWB's
         catalogue calls them A and B at the gearbox, F and E at the axle.
     """
@@ -87,7 +87,7 @@ def gwb_flange_reactions(
 
     Returns
     -------
-    Reactions, Reactions
+    FlangeReactions, FlangeReactions
         At position 0, where the gearbox yoke's pin axis lies in the plane of the shafts,
         and a quarter turn on.
 

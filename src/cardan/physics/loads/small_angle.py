@@ -59,7 +59,7 @@ def small_angle_bearing_forces(layout: Layout, line: Line, *, torque: ArrayLike)
 
     Returns
     -------
-    Cycle
+    HalfTurnSeries
         Waves (..., n-2, 2, 3) N.
 
     Notes

@@ -139,7 +139,7 @@ def joint_loads(
 
     Returns
     -------
-    Loads
+    JointLoads
         Orders 0 and 2, exactly; with `inertias` up to N/2, or to `highest`. Each contribution is
         linear, so torque, weight and thrust can be separated.
 
@@ -452,7 +452,7 @@ def unbalance_forces(
 
     Returns
     -------
-    Rotating
+    UnbalanceForces
         Worst case: the heavy spots of all ends act together on the part in question. As
         they may meet any position of the yokes too, a peak with unbalance is the peak
         without it plus this.

@@ -365,7 +365,7 @@ def shapley_attributions(
 
     Returns
     -------
-    list of Attribution
+    list of ShapleyAttribution
         One a channel.
     """
     choices: list[_CoalitionDamage] = []

@@ -293,7 +293,7 @@ def buckling_torques(
 
     Raises
     ------
-    NotConverged
+    ConvergenceError
         If the tube is longer than some hundred radii.
 
     Notes

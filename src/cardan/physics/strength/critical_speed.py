@@ -149,7 +149,7 @@ def synchronous_whirl_modes(
 
     Returns
     -------
-    Modes
+    WhirlModes
         Their frequencies are the speeds.
 
     Notes
@@ -214,7 +214,7 @@ def campbell_diagram(
 
     Returns
     -------
-    Modes
+    WhirlModes
         With the speeds on the axis before the modes: frequency is (..., k, m). A curve is
         critical where it meets frequency = speed; the joints shake it at 2 · speed.
     """

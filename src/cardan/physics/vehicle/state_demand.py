@@ -237,7 +237,7 @@ def demand_with_axle_moved_by_torque(
 
     Returns
     -------
-    Demand
+    LineStateDemand
         (P, ..., S). Loads and slip torques are those of the states.
 
     Raises

@@ -82,7 +82,7 @@ def run_bracket_study(
     ------
     DesignError
         If the application has no bracket, or its shape cannot be built or meshed.
-    NotInstalled
+    MissingDependencyError
         Without the extra `cardan[bracket]`.
     """
     answer = analyse_bracket(application, extra=extra, tell=lambda said: tell(said, 0, 0))

@@ -77,7 +77,7 @@ def bracket_blocks(found: StudyResult[BracketResult], say: Translator) -> Iterat
 
     Raises
     ------
-    MissingExtraError
+    MissingDependencyError
         If typst is not installed.
     """
     assert found.answer is not None  # of a study that answered

@@ -92,7 +92,7 @@ class BoltedContactAnalysis:
 
         Raises
         ------
-        NotConverged
+        ConvergenceError
             If they cannot press it on.
         """
         assert solved.contact_model is not None

@@ -50,7 +50,7 @@ def write_picture(
 
     Raises
     ------
-    MissingExtraError
+    MissingDependencyError
         If typst is not installed.
     """
     drawn = figure_png(picture_figure(of, say=say, over=over, under=under))

@@ -451,7 +451,7 @@ def find_corrections(
 
     Returns
     -------
-    tuple of Proposal
+    tuple of Correction
         Best verdict first, then what most trucks survive as they scatter, then the cheapest.
         None comes to a worse verdict than the line as installed, nor is it beaten by that or by
         another that costs less and leaves more margin.

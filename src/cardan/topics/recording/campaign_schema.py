@@ -360,7 +360,7 @@ def read_campaign_file(path: Path, *, allow_outside: bool = False) -> CampaignSp
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         With everything wrong in it, by line and column; also where it names a recording
         outside its own folder and that is not allowed.
     """

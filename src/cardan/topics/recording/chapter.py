@@ -101,7 +101,7 @@ def recording_blocks(
 
     Raises
     ------
-    MissingExtra
+    MissingDependencyError
         Without matplotlib.
     """
     paragraphs = [say.error(say.translate_if_known(note)) for note in of.recording.notes] + list(

@@ -183,7 +183,7 @@ class IdentificationResult:
 
         Raises
         ------
-        BadFile
+        InvalidFileError
             If a number cannot be written where it would stand.
         """
         written = self.application.written

@@ -202,7 +202,7 @@ class AnalysisOptions(OptionTable):
 
         Raises
         ------
-        BadFile
+        InvalidFileError
             If there is no such profile, or something is wrong in it.
         """
         name, rows = profile(self.limits) if self.limits else ("", ())

@@ -114,7 +114,7 @@ class RecordingStudy:
         ------
         DesignError
             If the recording lacks what the campaign names, or holds nothing at all.
-        BadFile
+        InvalidFileError
             If the recording or the profile cannot be read as meant.
         """
         campaign = self.options

@@ -261,7 +261,7 @@ def simulate_launch(
     ------
     DesignError
         If there is no engine to start it, or no such gear or load.
-    NotConverged
+    ConvergenceError
         If its clutch cannot hold it on its grade, or the motion cannot be followed.
     """
     application = parts.application

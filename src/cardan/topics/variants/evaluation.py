@@ -399,7 +399,7 @@ class VariantEvaluator:
         ------
         ValueError
             If nothing goes by a name.
-        BadFile
+        InvalidFileError
             If a number cannot be what it may become at the ends of its range.
         """
         known = nominal_variable_values(application)

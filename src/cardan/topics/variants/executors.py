@@ -36,7 +36,7 @@ def open_executor(kind: str, count: int) -> Generator[Executor | None, None, Non
 
     Raises
     ------
-    NotInstalled
+    MissingDependencyError
         If a cluster is named and Dask is not there.
     DesignError
         If an address is none of a scheduler that answers within `SCHEDULER_TIMEOUT_S`, or if

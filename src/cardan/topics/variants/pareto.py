@@ -71,7 +71,7 @@ def evolve_pareto_front(
     ------
     ValueError
         If something scatters: the lucky would win.
-    NotInstalled
+    MissingDependencyError
         If pymoo is not there.
 
     Notes

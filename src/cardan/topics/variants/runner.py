@@ -112,9 +112,9 @@ def run_study(
     ------
     ValueError
         If nothing goes by a name, or cannot vary as requested.
-    BadFile
+    InvalidFileError
         If the folder holds another study, or one already.
-    Stopped
+    StudyInterrupted
         If it was stopped from the keyboard; it holds the result of the shards done.
     DesignError
         If the application holds placeholders.

@@ -343,7 +343,7 @@ def read_variant_study(path: Path, application: Application) -> VariantStudy:
 
     Raises
     ------
-    BadFile
+    InvalidFileError
         With everything wrong in it, by line and column.
     """
     root, problems = parse_yaml(read_text(path), str(path))
