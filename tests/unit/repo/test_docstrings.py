@@ -4,11 +4,27 @@ import ast
 import builtins
 import re
 
+import pytest
 from repository import ROOT
 
 SECTION = re.compile(
     r"^(Parameters|Attributes)\n-+\n(.*?)(?=\n\n\w+\n-{3,}|\Z)", re.DOTALL | re.MULTILINE
 )
+
+
+@pytest.fixture(scope="module")
+def definitions():
+    """Classes and functions of the package, each with its module."""
+    return [
+        (str(module.relative_to(ROOT)), node)
+        for module in sorted((ROOT / "src").rglob("*.py"))
+        for node in definitions_of(module.read_text(encoding="utf-8"))
+    ]
+
+
+def definitions_of(source):
+    """Return a module's classes and functions, those of classes too."""
+    return [n for n in ast.walk(ast.parse(source)) if isinstance(n, ast.ClassDef | ast.FunctionDef)]
 
 
 def documented_names(docstring):
@@ -22,9 +38,16 @@ def documented_names(docstring):
     return {name.strip(" *") for head in heads for name in head.split(",")} - {""}
 
 
+def documented_errors(docstring):
+    """Return the names that head the descriptions of what is raised."""
+    raised = docstring.partition("Raises\n------\n")[2].partition("\n\n")[0]
+    heads = re.findall(r"^(\S.*)\n    ", raised, re.MULTILINE)
+    return {name.strip() for head in heads for name in head.split(",")}
+
+
 def names_of(node):
     """Return a function's parameters; a class's fields, properties and what its init takes."""
-    if not isinstance(node, ast.ClassDef):
+    if isinstance(node, ast.FunctionDef):
         a = node.args
         taken = [*a.posonlyargs, *a.args, *a.kwonlyargs, a.vararg, a.kwarg]
         return {one.arg for one in taken if one}
@@ -37,40 +60,19 @@ def names_of(node):
     return names
 
 
-def stale_names(source):
-    """Yield class or function, and the names in its docstring that it does not have."""
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.ClassDef | ast.FunctionDef):
-            stale = documented_names(ast.get_docstring(node) or "") - names_of(node)
-            if stale:
-                yield node.name, stale
+def stale_names(node):
+    """Return the names in a docstring that its class or function does not have."""
+    return documented_names(ast.get_docstring(node) or "") - names_of(node)
 
 
-def test_documented_fields_and_parameters_exist():
-    modules = sorted((ROOT / "src").rglob("*.py"))
-    found = [
-        (str(module.relative_to(ROOT)), *stale)
-        for module in modules
-        for stale in stale_names(module.read_text(encoding="utf-8"))
-    ]
-    assert found == []
+def test_documented_fields_and_parameters_exist(definitions):
+    found = [(module, node.name, stale_names(node)) for module, node in definitions]
+    assert [entry for entry in found if entry[2]] == []
 
 
-def documented_errors(source):
-    """Yield the names that head the descriptions of what is raised."""
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.FunctionDef):
-            _, _, raised = (ast.get_docstring(node) or "").partition("Raises\n------\n")
-            heads = re.findall(r"^(?!-)(\S.*)\n    ", raised.partition("\n\n")[0], re.MULTILINE)
-            yield from (name.strip() for head in heads for name in head.split(","))
-
-
-def test_documented_errors_exist():
-    sources = [m.read_text(encoding="utf-8") for m in (ROOT / "src").rglob("*.py")]
-    classes = {
-        n.name for s in sources for n in ast.walk(ast.parse(s)) if isinstance(n, ast.ClassDef)
-    }
-    named = {name for source in sources for name in documented_errors(source)}
+def test_documented_errors_exist(definitions):
+    classes = {node.name for _, node in definitions if isinstance(node, ast.ClassDef)}
+    named = set().union(*(documented_errors(ast.get_docstring(n) or "") for _, n in definitions))
     assert len(named) > 8
     assert named - classes - {*dir(builtins), "LinAlgError"} == set()
 
@@ -91,4 +93,4 @@ class Bolt:
     preload: float
     size: float
 '''
-    assert list(stale_names(source)) == [("Bolt", {"turned"})]
+    assert [stale_names(node) for node in definitions_of(source)] == [{"turned"}]
