@@ -11,7 +11,7 @@ from cardan.core.units import MPa, mm, rpm
 from cardan.model.laminate import CARBON_EPOXY, CompositeTube
 from cardan.physics.strength.composite_tube import (
     equivalent_steel_wall_thickness,
-    lightest,
+    lightest_layup,
     min_buckling_torque,
     strength_utilisation,
     timoshenko_critical_speed,
@@ -21,7 +21,7 @@ wall = equivalent_steel_wall_thickness(5000.0, outer_radius=30 * mm, yield_stren
 steel = np.pi * wall * (60 * mm - wall) * 7800
 demand = {"torque": 5000.0, "speed": 4000 * rpm, "length": 1.2}
 outers = np.array([80, 90, 100, 110, 120]) * mm
-weights = [lightest(outer=outer, **demand).mass_per_length for outer in outers]
+weights = [lightest_layup(outer=outer, **demand).mass_per_length for outer in outers]
 
 figure, (weight, length, angle) = plt.subplots(1, 3, figsize=(11, 3.8), layout="tight")
 weight.plot(outers / mm, weights, "o-", label="carbon/epoxy")

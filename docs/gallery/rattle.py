@@ -12,7 +12,7 @@ from cardan.physics.dynamics.joint_backlash import (
     hunt_crossley_damping_factor,
     lankarani_nikravesh_damping_factor,
     lee_wang_damping_factor,
-    rattle,
+    simulate_rattle,
 )
 
 joint = JointWithBacklash(
@@ -21,7 +21,7 @@ joint = JointWithBacklash(
 )  # fmt: skip
 edge = joint.rattle_speed()
 figure, (gap, laws) = plt.subplots(2, 1, figsize=(7, 7))
-runs = {share: rattle(joint, speed=share * edge, duration=0.1) for share in (0.9, 1.2)}
+runs = {share: simulate_rattle(joint, speed=share * edge, duration=0.1) for share in (0.9, 1.2)}
 for share, run in runs.items():
     gap.plot(run.time, 1e3 * run.gap, label=f"{share:g} of the rattle speed")
 gap.axhspan(-1, 1, color="0.9")

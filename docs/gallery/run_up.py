@@ -10,9 +10,9 @@ import numpy as np
 
 from cardan.physics.dynamics.run_up import (
     MotorDrivenShaft,
-    fates,
     limited_power_run_up,
-    passage,
+    resonance_passage,
+    run_up_outcomes,
     swept_response,
 )
 
@@ -34,7 +34,7 @@ def line(power):
     )  # fmt: skip
 
 
-found = {power: fates(line(power)) for power in (120, 400, 1500)}
+found = {power: run_up_outcomes(line(power)) for power in (120, 400, 1500)}
 for power, colour in ((120, "tab:blue"), (400, "tab:orange"), (1500, "tab:green")):
     # One that ends as most do, and one that does not where there is one.
     ends = found[power].outcomes
@@ -52,7 +52,7 @@ capture.set(xlabel="time, s", ylabel="speed, rad/s", ylim=(0, 180), xlim=(0, 30)
 capture.legend(fontsize="small", loc="lower right")
 plt.show()
 
-assert abs(passage(rate=0.001).peak - 46.156) < 5e-4
+assert abs(resonance_passage(rate=0.001).peak - 46.156) < 5e-4
 assert str(found[120]) == "caught at half, 8 of 8"
 assert str(found[400]) == "caught, 7 of 8"
 assert str(found[1500]) == "through, 8 of 8"

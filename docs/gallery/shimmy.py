@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 from cardan.core.units import deg
-from cardan.physics.dynamics.steering_shimmy import Steering, shimmy
+from cardan.physics.dynamics.steering_shimmy import Steering, simulate_shimmy
 
 SPEED = 15.0
 steering = Steering()
@@ -27,7 +27,7 @@ rates.set(xlabel="road speed, km/h", ylabel="growth, 1/s", ylim=(-1, 4))
 rates.legend()
 runs = {}
 for play in (0.0, 0.5):
-    runs[play] = shimmy(
+    runs[play] = simulate_shimmy(
         Steering(play=play * deg), speed=SPEED, duration=40.0, kick=1e-3, samples=4001
     )
     label = f"play ± {play:g}° at the column"

@@ -35,10 +35,10 @@ from cardan.documents import approval_json as contract
 from cardan.model.application import Application, GearboxAndAxleRotors
 from cardan.model.laminate import CompositeTube
 from cardan.physics.dynamics.internal_damping import hysteretic_threshold, viscous_threshold
-from cardan.physics.dynamics.joint_backlash import JointWithBacklash, rattle
-from cardan.physics.dynamics.run_up import MotorDrivenShaft, fates, passage
-from cardan.physics.dynamics.steering_shimmy import Steering, shimmy
-from cardan.physics.strength.composite_tube import buckling_torques, lightest
+from cardan.physics.dynamics.joint_backlash import JointWithBacklash, simulate_rattle
+from cardan.physics.dynamics.run_up import MotorDrivenShaft, resonance_passage, run_up_outcomes
+from cardan.physics.dynamics.steering_shimmy import Steering, simulate_shimmy
+from cardan.physics.strength.composite_tube import buckling_torques, lightest_layup
 from cardan.render.blocks import ReportDateAndSourceStamp, ReportDocument
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.json_contract import check_json, unevaluated_json
@@ -80,18 +80,18 @@ __all__ = [
     "buckling_torques",
     "change",
     "check",
-    "fates",
     "fix",
     "hysteretic_threshold",
     "joint",
     "life",
-    "lightest",
+    "lightest_layup",
     "loads",
-    "passage",
-    "rattle",
     "read",
     "read_rainflow",
-    "shimmy",
+    "resonance_passage",
+    "run_up_outcomes",
+    "simulate_rattle",
+    "simulate_shimmy",
     "size",
     "stability",
     "study",

@@ -15,7 +15,7 @@ from cardan.physics.dynamics.floquet import (
     monodromy_matrix,
 )
 from cardan.physics.dynamics.lateral import rigid_shaft_system
-from cardan.physics.dynamics.run_up import passage
+from cardan.physics.dynamics.run_up import resonance_passage
 from cardan.physics.dynamics.suspended_body import BodySuspendedFromJoint
 from cardan.physics.dynamics.torsional_line import (
     TorsionalLine,
@@ -143,7 +143,7 @@ def test_symmetric_shaft_is_constant_in_rotating_frame(speed, torque, sigma, ia)
 @few
 @given(rate=st.floats(1e-3, 0.05), more=st.floats(1.1, 3), zeta=st.floats(0, 0.05))
 def test_faster_sweep_through_resonance_has_lower_peak(rate, more, zeta):
-    slow, fast = passage(rate=np.array([rate, more * rate]), damping_ratio=zeta).peak
+    slow, fast = resonance_passage(rate=np.array([rate, more * rate]), damping_ratio=zeta).peak
     assert fast < slow
 
 

@@ -22,7 +22,7 @@ from cardan.physics.strength.composite_tube import (
     assess_layup,
     buckling_torques,
     equivalent_steel_wall_thickness,
-    lightest,
+    lightest_layup,
     maximum_stress_index,
     min_buckling_torque,
     ply_stresses,
@@ -451,7 +451,7 @@ def test_45_deg_is_stiffest_in_torsion_and_0_deg_in_bending():
 def test_lightest_layup_is_lighter_than_steel():
     """5 kN m: steel of 60 mm weighs 3.117 kg/m; carbon of 90 mm less than a third, and holds."""
     demand = {"torque": 5000.0, "speed": 4000 * rpm, "length": 1.2, "speed_limit": 0.75}
-    found = lightest(outer=90 * mm, **demand)
+    found = lightest_layup(outer=90 * mm, **demand)
     assert found == assess_layup(found.tube, **demand)
     assert found.max_utilisation <= 1
     assert found.mass_per_length < 0.33 * 3.117
@@ -468,7 +468,7 @@ def test_lightest_layup_is_lighter_than_steel():
 @pytest.mark.slow
 def test_impossible_tube_demand_is_rejected():
     with pytest.raises(DesignError, match="larger diameter"):
-        lightest(torque=20e3, speed=500.0, length=2.5, outer=60 * mm)
+        lightest_layup(torque=20e3, speed=500.0, length=2.5, outer=60 * mm)
     with pytest.raises(DesignError, match="no thin steel tube of radius 30 mm"):
         equivalent_steel_wall_thickness(
             50e3, outer_radius=30 * mm, yield_strength=750 * MPa, at="middle"

@@ -23,9 +23,9 @@ from cardan.physics.dynamics.joint_backlash import (
     hunt_crossley_damping_factor,
     lankarani_nikravesh_damping_factor,
     lee_wang_damping_factor,
-    rattle,
+    simulate_rattle,
 )
-from cardan.physics.dynamics.steering_shimmy import Steering, shimmy
+from cardan.physics.dynamics.steering_shimmy import Steering, simulate_shimmy
 from cardan.physics.dynamics.suspended_body import BodySuspendedFromJoint
 
 LAWS = (
@@ -45,7 +45,7 @@ def test_free_impact_loses_energy_of_its_contact_law(law, e):
     joint = JointWithBacklash(
         beta=0.0, play=1e-3, radius=0.04, stiffness=1e10, inertia=0.05, restitution=e, law=law
     )
-    run = rattle(joint, speed=0.0, duration=0.06, gap=0.0, gap_rate=1.0)
+    run = simulate_rattle(joint, speed=0.0, duration=0.06, gap=0.0, gap_rate=1.0)
     assert run.impact_speeds.size >= 3
     np.testing.assert_allclose(
         run.impact_speeds[1:] / run.impact_speeds[:-1], effective_restitution(law, e), rtol=1e-6
@@ -60,7 +60,7 @@ def test_elastic_impact_loses_no_energy(law):
     joint = JointWithBacklash(
         beta=0.0, play=1e-3, radius=0.04, stiffness=1e10, inertia=0.05, restitution=1.0, law=law
     )
-    run = rattle(joint, speed=0.0, duration=0.02, gap=0.0, gap_rate=1.0)
+    run = simulate_rattle(joint, speed=0.0, duration=0.02, gap=0.0, gap_rate=1.0)
     np.testing.assert_allclose(run.impact_speeds, 1.0, rtol=1e-7)
 
 
@@ -85,7 +85,7 @@ def test_zero_play_equals_rigid_joint():
     apart = []
     for stiffness in (1e11, 1e13):
         joint = JointWithBacklash(play=0.0, stiffness=stiffness, **steady)
-        run = rattle(joint, speed=0.8 * joint.rattle_speed(), duration=0.1)
+        run = simulate_rattle(joint, speed=0.8 * joint.rattle_speed(), duration=0.1)
         assert run.impact_speeds.size == 0
         apart.append(np.abs(run.gap).max())
     assert apart[1] < 1e-5
@@ -101,8 +101,8 @@ def test_rattle_starts_if_inertia_torque_exceeds_load():
     )  # fmt: skip
     edge = joint.rattle_speed()
     # The start is not quite in step, so a little clearance to the edge.
-    assert rattle(joint, speed=0.9 * edge, duration=0.15).impact_speeds.size == 0
-    loud = rattle(joint, speed=1.2 * edge, duration=0.15)
+    assert simulate_rattle(joint, speed=0.9 * edge, duration=0.15).impact_speeds.size == 0
+    loud = simulate_rattle(joint, speed=1.2 * edge, duration=0.15)
     assert loud.impact_speeds.size > 5
     assert loud.gap.min() < joint.play
 
@@ -202,7 +202,7 @@ def test_shimmy_onset_matches_time_integration():
     onset = steering.onset_speeds()
     assert onset == pytest.approx([17.354], abs=5e-4)  # another program's
     for speed, grows in ((0.9 * onset[0], False), (2.0 * onset[0], True)):
-        run = shimmy(steering, speed=speed, duration=6.0, kick=1e-3)
+        run = simulate_shimmy(steering, speed=speed, duration=6.0, kick=1e-3)
         early, late = (
             np.abs(run.state[(run.time > a) & (run.time < a + 1), 0]).max() for a in (2.0, 5.0)
         )
@@ -218,7 +218,7 @@ def test_zero_play_with_stiff_contact_equals_linear_model():
     """
     for beta, pin, off in ((0.0, 0.0, 1e-12), (1e-3, 0.3, 1e-11)):
         steering = Steering(restitution=1.0, contact_stiffness=1e20, beta=beta, pin=pin)
-        run = shimmy(steering, speed=15.0, duration=1.0, kick=1e-3, samples=11)
+        run = simulate_shimmy(steering, speed=15.0, duration=1.0, kick=1e-3, samples=11)
         start = np.zeros(12)
         start[0] = 1e-3
         exact = np.array([expm(steering.state_matrix(15.0) * t) @ start for t in run.time])
@@ -280,7 +280,7 @@ def test_column_contact_torque_is_equal_on_both_sides_of_play():
 def test_stiff_lossless_contact_equals_dead_band():
     """K 1e14, e 1: k_c (s - h) beyond the play alone, as a plain integration has it."""
     steering = Steering(play=0.5 * deg, restitution=1.0, contact_stiffness=1e14)
-    run = shimmy(steering, speed=15.0, duration=4.0, kick=1e-3, samples=401)
+    run = simulate_shimmy(steering, speed=15.0, duration=4.0, kick=1e-3, samples=401)
     A = replace(steering, column_stiffness=0.0).state_matrix(15.0)
     band = steering.play / steering.ratio
 
@@ -319,12 +319,14 @@ def test_play_sustains_limit_cycle_if_tight_column_is_stable(changes, swing, tou
     that program printed 0.0489, which is its swing after 58 s (below).
     """
     steering = Steering(**({"play": 0.5 * deg} | changes))
-    run = shimmy(steering, speed=15.0, duration=120.0, kick=1e-3, samples=12001)
+    run = simulate_shimmy(steering, speed=15.0, duration=120.0, kick=1e-3, samples=12001)
     assert run.swing_amplitude(3.0) / deg == pytest.approx(swing, rel=1e-3)
     assert run.impact_speeds[-1] == pytest.approx(touch, rel=5e-4)
     if not changes:
         assert run.frequency(8.0) == pytest.approx(1.53, abs=0.005)
-    tight = shimmy(replace(steering, play=0.0), speed=15.0, duration=6.0, kick=1e-3, samples=1201)
+    tight = simulate_shimmy(
+        replace(steering, play=0.0), speed=15.0, duration=6.0, kick=1e-3, samples=1201
+    )
     assert tight.swing_amplitude(1.0) < 0.75e-3
 
 
@@ -337,7 +339,7 @@ def test_motion_with_play_matches_independent_integration(changes):
     times, wheel, at, speeds = (np.array(x) for x in Column(**changes).run(6.05))
     angles = {k: v * deg for k, v in changes.items() if k != "restitution"}
     mine = Steering(**({"play": 0.5 * deg} | changes | angles))
-    run = shimmy(mine, speed=15.0, duration=6.0, kick=1e-3, samples=601)
+    run = simulate_shimmy(mine, speed=15.0, duration=6.0, kick=1e-3, samples=601)
     assert run.impact_speeds.size > 5
     count = run.impact_speeds.size
     assert run.impact_speeds == pytest.approx(speeds[:count], rel=1e-4)

@@ -7,15 +7,15 @@ from scipy.integrate import solve_ivp
 from cardan.core.errors import ConvergenceError
 from cardan.physics.dynamics.run_up import (
     MotorDrivenShaft,
-    fates,
     limited_power_run_up,
-    passage,
+    resonance_passage,
+    run_up_outcomes,
     swept_response,
 )
 
 
 def test_peaks_match_lewis_and_mazzei():
-    found = passage(rate=np.array([0.001, 0.01]), damping_ratio=np.array([0.0, 0.01]))
+    found = resonance_passage(rate=np.array([0.001, 0.01]), damping_ratio=np.array([0.0, 0.01]))
     assert found.peak[0] == pytest.approx(46.156, abs=5e-4)
     assert found.frequency[0] == pytest.approx(1.068, abs=5e-4)
     assert found.peak[1] == pytest.approx(12.142, abs=5e-4)
@@ -41,16 +41,16 @@ def test_slow_sweep_approaches_steady_response():
     """It falls short by rate / 2 zeta: the response lags its steady curve by that."""
     zeta, rate = 0.05, 1e-5
     exact = 1 / (2 * zeta * np.sqrt(1 - zeta**2))
-    short = 1 - passage(rate=rate, damping_ratio=zeta).peak / exact
+    short = 1 - resonance_passage(rate=rate, damping_ratio=zeta).peak / exact
     assert short == pytest.approx(rate / (2 * zeta), rel=0.15)
 
 
 def test_faster_run_up_has_lower_later_and_shorter_peak():
-    up = passage(rate=np.array([0.0005, 0.002, 0.008]), damping_ratio=0.01)
+    up = resonance_passage(rate=np.array([0.0005, 0.002, 0.008]), damping_ratio=0.01)
     assert np.all(np.diff(up.peak) < 0)
     assert np.all(np.diff(up.frequency) > 0)
     assert np.all(np.diff(up.dwell) < 0)
-    down = passage(rate=np.array([0.0005, 0.002, 0.008]), damping_ratio=0.01, start=2.0)
+    down = resonance_passage(rate=np.array([0.0005, 0.002, 0.008]), damping_ratio=0.01, start=2.0)
     assert np.all(down.frequency < 1)
     assert np.all(np.diff(down.frequency) < 0)
 
@@ -81,7 +81,7 @@ def test_capture_of_motor_depends_on_start_angle():
 
     The eighth gets past. 1500 W gets through from everywhere.
     """
-    weak, middling = fates(line(120), phases=4), fates(line(400))
+    weak, middling = run_up_outcomes(line(120), phases=4), run_up_outcomes(line(400))
     assert str(weak) == "caught at half, 4 of 4"
     np.testing.assert_allclose(weak.mean_speed, line(120).frequency / 2, rtol=0.02)
     assert str(middling) == "caught, 7 of 8"
@@ -89,7 +89,7 @@ def test_capture_of_motor_depends_on_start_angle():
         v for v, f in zip(middling.mean_speed, middling.outcomes, strict=True) if f == "caught"
     ]
     np.testing.assert_allclose(caught, 109.0, atol=0.6)
-    assert str(fates(line(1500))) == "through, 8 of 8"
+    assert str(run_up_outcomes(line(1500))) == "through, 8 of 8"
 
 
 @pytest.mark.slow
@@ -98,7 +98,7 @@ def test_batched_start_angles_equal_single_runs():
 
     After 18 s and some 130 turns both have come as far to a few parts in ten thousand.
     """
-    many = fates(line(120), duration=18, phases=2)
+    many = run_up_outcomes(line(120), duration=18, phases=2)
     for angle, speed in zip(many.angle, many.mean_speed, strict=True):
         one = limited_power_run_up(line(120), duration=18, start_angle=float(angle), samples=12001)
         assert speed == pytest.approx(one.mean_speed, rel=5e-4)
@@ -107,4 +107,4 @@ def test_batched_start_angles_equal_single_runs():
 
 def test_incomplete_run_up_is_rejected():
     with pytest.raises(ConvergenceError, match="give it a longer duration"):
-        fates(line(120), duration=3, phases=2)
+        run_up_outcomes(line(120), duration=3, phases=2)

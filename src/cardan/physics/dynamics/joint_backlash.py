@@ -154,7 +154,7 @@ def _event(side: int, play: float, direction: int) -> Callable[..., float]:
     return event
 
 
-def rattle(
+def simulate_rattle(
     joint: JointWithBacklash,
     *,
     speed: float,

@@ -1,8 +1,8 @@
 r"""Running up and running down through a resonance: how high it gets, or whether it sticks.
 
-`swept` is the exact response of an oscillator to an excitation whose frequency rises or
-falls steadily; `limited_power_run_up` lets the motor decide the speed, and `fates` says from every
-starting angle whether it gets through. Sources: Lewis, Trans. ASME
+`swept_response` is exact for an oscillator under an excitation whose frequency rises or
+falls steadily; `limited_power_run_up` lets the motor decide the speed, and `run_up_outcomes`
+says from every starting angle whether it gets through. Sources: Lewis, Trans. ASME
 54 (1932) 253-261; Mazzei, passage through resonance in a universal joint driveline (2011);
 capture is Sommerfeld's effect (1902). Numbers of the models are compared, the papers'
 figures were not at hand.
@@ -94,7 +94,7 @@ class ResonancePassage:
     dwell: FloatArray
 
 
-def passage(
+def resonance_passage(
     *, rate: ArrayLike, damping_ratio: ArrayLike = 0.0, start: float = 0.0
 ) -> ResonancePassage:
     """Peak and dwell (...) of a steady sweep from a starting frequency over the resonance.
@@ -102,7 +102,7 @@ def passage(
     Parameters
     ----------
     rate : (...) 1
-        Size of the sweep rate, as for `swept`; broadcasts against `damping_ratio`.
+        Size of the sweep rate, as for `swept_response`; broadcasts against `damping_ratio`.
     start : 1
         Frequency to start from, over the natural one. Below 1 the sweep rises to 2, above
         1 it runs down to standstill.
@@ -207,7 +207,7 @@ def limited_power_run_up(
     At half the torsional frequency the joint pumps the motor's power into vibration:
     with too little of it the speed sticks there (Sommerfeld's effect). With more it may
     stick at the frequency itself, where the joint shakes it up parametrically; whether it
-    does depends on the `start_angle` rad of the driving yoke, so use `fates`.
+    does depends on the `start_angle` rad of the driving yoke, so use `run_up_outcomes`.
     """
     from scipy.integrate import solve_ivp
 
@@ -292,7 +292,7 @@ class RunUpOutcomes:
         return f"{self.worst}, {self.count(self.worst)} of {len(self.outcomes)}"
 
 
-def fates(
+def run_up_outcomes(
     line: MotorDrivenShaft, *, duration: float = 40.0, phases: int = 8, start_speed: float = 1.0
 ) -> RunUpOutcomes:
     """Run a line up from every starting angle, and say whether it gets through.

@@ -225,7 +225,7 @@ class ShimmyHistory:
         return float((at.size - 1) / (at[-1] - at[0])) if at.size > 1 else 0.0
 
 
-def shimmy(
+def simulate_shimmy(
     steering: Steering,
     *,
     speed: float,

@@ -448,7 +448,7 @@ def assess_layup(
     )
 
 
-def lightest(
+def lightest_layup(
     *,
     torque: NewtonMetre,
     speed: float,
@@ -557,7 +557,7 @@ __all__ = [
     "assess_layup",
     "buckling_torques",
     "equivalent_steel_wall_thickness",
-    "lightest",
+    "lightest_layup",
     "maximum_stress_index",
     "metal_ply",
     "min_buckling_torque",
