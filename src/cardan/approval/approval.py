@@ -17,7 +17,7 @@ from cardan.approval.coverage import (
 )
 from cardan.approval.data_provenance import CatalogueDatum, catalogue_data_of
 from cardan.approval.driveline_study import DrivelineStudy
-from cardan.approval.notes import notes_for
+from cardan.approval.notes import approval_notes
 from cardan.approval.registry import study_registrations
 from cardan.approval.study import (
     DRIVELINE_STUDY_NAME,
@@ -129,7 +129,7 @@ class Approval:
     @cached_property
     def note_messages(self) -> tuple[TranslatableMessage, ...]:
         """What a reader should know: where the application contradicts itself, what is assumed."""
-        return tuple(notes_for(self.application, self.line_responses))
+        return tuple(approval_notes(self.application, self.line_responses))
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -46,7 +46,7 @@ ANGLE_QUANTITIES = frozenset({
 """What follows from where the joints are, and from speed, alone."""
 
 
-def notes_for(
+def approval_notes(
     application: Application, responses: Sequence[LineResponse]
 ) -> Iterator[TranslatableMessage]:
     """Yield what a reader of an approval should know, in sentences without their ends."""

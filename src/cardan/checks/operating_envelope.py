@@ -54,7 +54,7 @@ def envelope_points(
     )
     rows += [(every, share * found.max_speed) for share in shares]
     # Many a gear ends where its way does.
-    curve, speed = gather_points(found, [without_repeats(*gather_points(found, rows))])
+    curve, speed = gather_points(found, [without_repeated_points(*gather_points(found, rows))])
     asked = demand_at_operating_points(demand, found, curve=curve, speed=speed)
     # What the engine gives ahead in the gear of the point, wherever the tyres slip.
     free = operating_points_on_curves(
@@ -121,7 +121,7 @@ def gather_points(found: TorqueCurves, rows: list[PointRows]) -> PointRows:
     return curve[first, *cases], np.where(there, speed, np.nan)[first, *cases]
 
 
-def without_repeats(curve: IntArray, speed: FloatArray) -> PointRows:
+def without_repeated_points(curve: IntArray, speed: FloatArray) -> PointRows:
     """Return points without those of a case that come again: their speed is nan."""
     same = (curve[:, None] == curve) & (speed[:, None] == speed)
     before = np.tri(len(curve), k=-1, dtype=bool)

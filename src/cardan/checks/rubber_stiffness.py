@@ -17,7 +17,7 @@ from cardan.checks.operating_envelope import (
     curves_for_cases,
     gather_points,
     strongest_curves,
-    without_repeats,
+    without_repeated_points,
 )
 from cardan.checks.operating_point_results import OperatingPointResults, point_rows
 from cardan.checks.worst_points import obstacle_reach_at_points
@@ -70,7 +70,7 @@ def rows_moved_with_modes(
         there = np.where(np.isin(curve, of), strongest_curves(curves, of, moved)[0], there)
     moved = np.minimum(moved, curves.max_speed[there, *broadcastable_axis_indices(moved.shape)[1:]])
     speeds = np.concatenate([np.broadcast_to(speed[:, None], moved.shape), moved])
-    return gather_points(curves, [without_repeats(np.concatenate([curve, there]), speeds)])
+    return gather_points(curves, [without_repeated_points(np.concatenate([curve, there]), speeds)])
 
 
 def results_with_rubber_stiffness(

@@ -25,7 +25,7 @@ from cardan.checks.operating_envelope import (
     curves_for_cases,
     gather_points,
     strongest_curves,
-    without_repeats,
+    without_repeated_points,
 )
 from cardan.checks.operating_point_results import (
     OperatingPointResults,
@@ -80,7 +80,7 @@ def worst_bearing_forces(
     # Two means are often alike, and which is larger is for the whole line to say.
     still, next_ = largest_points(tried, "static", 2)
     seeds = still, *(largest_point(tried, name) for name in FORCE_KINDS[1:]), next_
-    rows = without_repeats(*point_rows(*seeds))
+    rows = without_repeated_points(*point_rows(*seeds))
     last = mounts.bearing_forces_at_points(*gather_points(mounts.torque_curves, [rows]))
     return {name: largest_point(last, name) for name in FORCE_KINDS}
 
@@ -101,7 +101,7 @@ def all_bearing_operating_points(
     rows = [(tried.curve_index, tried.speed), point_rows(*worst.values())]
     found = mounts.torque_curves
     return mounts.bearing_forces_at_points(
-        *gather_points(found, [without_repeats(*gather_points(found, rows))])
+        *gather_points(found, [without_repeated_points(*gather_points(found, rows))])
     )
 
 
@@ -139,7 +139,9 @@ def worst_bearing_travel(
         return None
     found = refined_candidates(mounts, candidates, screened.travel, gives=True)
     seeds = largest_points(found, "peak", 2)
-    curve, speed = gather_points(mounts.torque_curves, [without_repeats(*point_rows(*seeds))])
+    curve, speed = gather_points(
+        mounts.torque_curves, [without_repeated_points(*point_rows(*seeds))]
+    )
     return largest_point(mounts.bearing_forces_at_points(curve, speed, gives=True), "peak")
 
 
@@ -155,7 +157,7 @@ def worst_obstacle_clearance(
     if screened is None or not mounts.inputs.obstacles:
         return None
     nearest = largest_points(screened.obstacle_reach, "reach", 2)
-    rows = gather_points(mounts.torque_curves, [without_repeats(*point_rows(*nearest))])
+    rows = gather_points(mounts.torque_curves, [without_repeated_points(*point_rows(*nearest))])
     return largest_point(obstacle_reach_at_points(mounts, *rows), "reach")
 
 
@@ -256,7 +258,7 @@ def worst_growth_rate(mounts: LineOnMounts) -> OperatingPointResults | None:
     tried = growth_rates_at(mounts, asked, quick, inputs.layout, how=two_mode_growth)
     # Zones lie close, and more than two modes feed each other.
     most = largest_points(tried, "growth", REFINED_PEAK_COUNT)
-    curve, speed = gather_points(found, [without_repeats(*point_rows(*most))])
+    curve, speed = gather_points(found, [without_repeated_points(*point_rows(*most))])
     asked = operating_points_on_curves(found, curve=curve, speed=speed)
     lies = inputs.layout_for(
         demand_at_operating_points(inputs.demand, found, curve=curve, speed=speed)

@@ -183,7 +183,7 @@ def add_file_position_to_errors(file: Path, application: Any) -> Generator[None,
 # --------------------------------------------------------------------------- reporting
 
 
-SILENCE_S = 30.0
+PROGRESS_LINE_INTERVAL_S = 30.0
 """s between lines on how far a run is, where standard error is no terminal."""
 
 
@@ -224,7 +224,7 @@ class ProgressLine:
         if self.visible:
             sys.stderr.write(f"\r\033[K{line}")
             sys.stderr.flush()
-        elif line and not self.quiet and self.now - self.printed >= SILENCE_S:
+        elif line and not self.quiet and self.now - self.printed >= PROGRESS_LINE_INTERVAL_S:
             self.printed = self.now
             echo_to_stderr(line)
 

@@ -14,7 +14,7 @@ from cardan.application.plausibility import PLAUSIBILITY_RULES, with_limit_profi
 from cardan.application.reader import loads, read
 from cardan.application.templates import template_text
 from cardan.approval.approval import approve_driveline
-from cardan.approval.notes import notes_for
+from cardan.approval.notes import approval_notes
 from cardan.core.errors import CardanError, InvalidFileError
 from cardan.render.i18n import ENGLISH
 
@@ -396,7 +396,7 @@ def test_obstacles_left_out_are_named(example):
     note = "clearance is not evaluated (input missing: obstacles)"
     for edits, told in (({}, False), ({"obstacles": None}, True)):
         application = loads(with_slip(example, Slip(edits, "")))
-        assert (note in [n.text for n in notes_for(application, ())]) is told
+        assert (note in [n.text for n in approval_notes(application, ())]) is told
 
 
 @pytest.mark.parametrize(
@@ -405,7 +405,7 @@ def test_obstacles_left_out_are_named(example):
 )
 def test_torque_and_speed_that_nothing_confirms_are_named(example, keys):
     """A torque in lbf ft under torque_Nm contradicts nothing where there is no engine."""
-    notes = notes_for(loads(with_slip(example, Slip({}, ""))), ())
+    notes = approval_notes(loads(with_slip(example, Slip({}, ""))), ())
     found = [ENGLISH.translate_message(note) for note in notes]
     named = [text for text in found if text.startswith(f"nothing in the file confirms {keys}")]
     assert len(named) == bool(keys)

@@ -41,7 +41,7 @@ from cardan.topics.bracket.life import (
     load_history_of_forces,
 )
 from cardan.topics.bracket.load_cases import BearingLoadCase
-from cardan.topics.bracket.shape_result import CaseResult, LocatedStress, point_of
+from cardan.topics.bracket.shape_result import CaseResult, LocatedStress, vector_as_tuple
 
 _MIN_PULL_OFF_COSINE = np.cos(np.radians(30))
 """Of the angle between a force and the way out of the frame, below which it pulls straight off."""
@@ -95,7 +95,7 @@ def _evaluate_case(
         unit = way.unit[flat]
         level, found = _stressed(unit, loads, way.worth)
         best.append(tuple(
-            LocatedStress(e.value, point_of(way.points[flat[e.point]]))
+            LocatedStress(e.value, vector_as_tuple(way.points[flat[e.point]]))
             for e in (found.von_mises, found.max_principal, found.min_principal)
         ))  # type: ignore[arg-type]  # fmt: skip
         level = level.reshape(places.shape)
@@ -257,4 +257,6 @@ def _max_nodal_von_mises(solved: SolvedBracket, loads: FloatArray) -> LocatedStr
     top = np.argsort(-level)[:PLACES_PER_FEATURE]
     level = von_mises_envelope(stress[top], loads)
     worst = int(level.argmax())
-    return LocatedStress(float(level[worst]), point_of(solved.nodes.points[surface[top[worst]]]))
+    return LocatedStress(
+        float(level[worst]), vector_as_tuple(solved.nodes.points[surface[top[worst]]])
+    )

@@ -38,8 +38,8 @@ from cardan.topics.bracket.shape_result import (
     FatigueFeature,
     ResonanceCrossing,
     ShapeAssessment,
-    point_of,
     recording_damage,
+    vector_as_tuple,
 )
 
 RESONANCE_CHECK_ORDERS = (1, 2, 4)
@@ -154,7 +154,8 @@ def assess_shape(
     heated = _beside_welds(ways, shape.thickness) if soft else np.zeros(len(known), dtype=bool)
     features = tuple(
         FatigueFeature(
-            zone=FATIGUE_ZONES[known[f][0]], number=known[f][1], point=point_of(way.points[at]),
+            zone=FATIGUE_ZONES[known[f][0]], number=known[f][1],
+            point=vector_as_tuple(way.points[at]),
             error=float(share[f]), beside_weld=bool(heated[f]),
         )
         for f, (way, at) in zip(order.tolist(), spots, strict=True)

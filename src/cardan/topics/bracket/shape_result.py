@@ -283,7 +283,7 @@ def recording_damage(outcomes: Iterable[CaseResult]) -> tuple[DamageResult, ...]
     return tuple(e for e in every if e is not None and e.duration > 0)
 
 
-def point_of(at: FloatArray) -> tuple[Metre, Metre, Metre]:
+def vector_as_tuple(at: FloatArray) -> tuple[Metre, Metre, Metre]:
     """Return a point (3,) as a tuple."""
     x, y, z = at.tolist()
     return x, y, z

@@ -12,7 +12,7 @@ from cardan.topics.bracket.shape_result import (
     CaseResult,
     LocatedDisplacement,
     ShapeAssessment,
-    point_of,
+    vector_as_tuple,
 )
 
 
@@ -38,7 +38,7 @@ def max_displacement_at_peak(v: ShapeAssessment, o: CaseResult) -> LocatedDispla
     moved = superpose_unit_displacements(v.solved.displacement, peak_loads(v, o))
     size = np.linalg.norm(moved, axis=-1)
     return LocatedDisplacement(
-        float(size.max()), point_of(v.solved.nodes.points[int(size.argmax())])
+        float(size.max()), vector_as_tuple(v.solved.nodes.points[int(size.argmax())])
     )
 
 

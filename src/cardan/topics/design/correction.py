@@ -102,7 +102,7 @@ class Correction:
     @property
     def cost(self) -> float:
         """Sum of the shares of their ranges that the moves use."""
-        return cost_of(self.adjustments)
+        return share_of_ranges_used(self.adjustments)
 
     @property
     def verdict(self) -> Verdict:
@@ -130,6 +130,6 @@ def _wrong(of: Approval) -> tuple[int, int]:
     return grades.count("fail"), grades.count("warn")
 
 
-def cost_of(moves: Collection[AppliedAdjustment]) -> float:
+def share_of_ranges_used(moves: Collection[AppliedAdjustment]) -> float:
     """Return the sum of the shares of their ranges that moves use."""
     return sum(m.cost for m in moves)

@@ -47,7 +47,7 @@ from cardan.model.application import (
     require_no_placeholders,
 )
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
-from cardan.topics.design.correction import Correction, LimitOfPart, cost_of
+from cardan.topics.design.correction import Correction, LimitOfPart, share_of_ranges_used
 from cardan.topics.design.robustness import (
     ToleranceModel,
 )
@@ -122,7 +122,7 @@ class _CorrectionCandidate:
     @property
     def rank(self) -> tuple[int, float, float]:
         """What trials are sorted by: the best verdict first, then the cheapest."""
-        return VERDICTS.index(self.verdict), cost_of(self.moves), -self.margin
+        return VERDICTS.index(self.verdict), share_of_ranges_used(self.moves), -self.margin
 
     @property
     def gain(self) -> tuple[int, float]:

@@ -69,15 +69,15 @@ class OperatingGrid:
     """A vehicle's gears and states with the torque, speed and geometry that go together."""
 
     parts: VehicleTorsionModel
-    asked: tuple[LineStateDemand, ...]
-    around: GearboxAndAxleRotors = field(default_factory=GearboxAndAxleRotors)
-    lost: list[str] = field(default_factory=list[str])
-    unstarted: list[tuple[Launch, str]] = field(default_factory=list[tuple[Launch, str]])
+    demands: tuple[LineStateDemand, ...]
+    adjacent_rotors: GearboxAndAxleRotors = field(default_factory=GearboxAndAxleRotors)
+    unsettled_motions: list[str] = field(default_factory=list[str])
+    failed_launches: list[tuple[Launch, str]] = field(default_factory=list[tuple[Launch, str]])
 
     @property
     def main(self) -> LineStateDemand:
         """The line whose speed everything is referred to."""
-        return self.asked[0]
+        return self.demands[0]
 
     @property
     def gears(self) -> tuple[EvaluationCondition, ...]:
@@ -91,10 +91,10 @@ class OperatingGrid:
         """What is left out."""
         for name in self.parts.excluded_lines:
             yield f"line {name} turns at another speed: its joints are not counted in torsion"
-        if self.lost:
-            where = "; ".join(dict.fromkeys(self.lost))
+        if self.unsettled_motions:
+            where = "; ".join(dict.fromkeys(self.unsettled_motions))
             yield f"no steady forced motion settles, amplitudes by the joints' leads alone: {where}"
-        for wanted, why in self.unstarted:
+        for wanted, why in self.failed_launches:
             yield f"launch in gear {wanted.gear}: {why}"
 
     @cached_property
@@ -171,7 +171,7 @@ class OperatingGrid:
         place: list[FloatArray] = []
         low = np.zeros(self._fastest.shape)
         T = self.torque(low)
-        for asked in self.asked:
+        for asked in self.demands:
             line = asked.static_state.line
             share = line.nominal_torque_share / self.main.static_state.line.nominal_torque_share
             under = demand_with_axle_moved_by_torque(asked, torque=share * T, speed=low)
@@ -232,7 +232,7 @@ class OperatingGrid:
         speed_at = np.full_like(torque, np.nan)
         mean = np.full((G, S, springs), np.nan)
         total, peak, ratio = (np.full_like(mean, np.nan) for _ in range(3))
-        acceleration = np.full((G, S, len(self.asked)), np.nan)
+        acceleration = np.full((G, S, len(self.demands)), np.nan)
         index, speeds = _candidates(found, damping, ranges, shown)
         if not len(speeds):
             return PowertrainVibration(
@@ -256,14 +256,14 @@ class OperatingGrid:
         size = np.stack([np.abs(moved.order(o)) for o in EXCITED_ORDERS], axis=-2)
         lost = np.asarray(np.isnan(size).any((-1, -2)))
         size = np.where(lost[:, None, None], self._leads_alone(now), size)
-        self.lost.extend(
+        self.unsettled_motions.extend(
             f"gear {self.parts.gears[g]}, {self.parts.states[s]}, {speeds[c] / rpm:.0f} rpm"
             for c, (g, s) in enumerate(zip(*index, strict=True))
             if lost[c]
         )
         together = size.sum(-2)
         pinions = [
-            powertrain.freedoms.index((d.installed.line.name, Part("pinion"))) for d in self.asked
+            powertrain.freedoms.index((d.installed.line.name, Part("pinion"))) for d in self.demands
         ]
         faster = [(o * speeds[:, None]) ** 2 for o in EXCITED_ORDERS]
         turned = [np.abs(moved.rotation[..., o // 2, pinions]) for o in EXCITED_ORDERS]
@@ -425,14 +425,16 @@ class OperatingGrid:
         for wanted in default_launches(self.application):
             try:
                 ahead = wanted.gear in self.parts.gears
-                yield simulate_launch(self.parts if ahead else self.astern, self.asked, wanted)
+                yield simulate_launch(self.parts if ahead else self.astern, self.demands, wanted)
             except ConvergenceError as error:
-                self.unstarted.append((wanted, str(error)))
+                self.failed_launches.append((wanted, str(error)))
 
     @cached_property
     def astern(self) -> VehicleTorsionModel:
         """The vehicle in its reverse gears."""
-        return vehicle_torsion_model(self.application, surroundings=self.around, astern=True)
+        return vehicle_torsion_model(
+            self.application, surroundings=self.adjacent_rotors, astern=True
+        )
 
     def lateral(self, asked: LineStateDemand, loss: float) -> FloatArray:
         """Return the largest lateral growth of each hung shaft in each gear, (G, shafts) 1/s."""

@@ -549,7 +549,7 @@ class _Vehicle:
             parts.joints.extend(ends)
         for k, shaft in enumerate(line.line.shafts):
             stiffness, tube = _tube(shaft, k + 1, name)
-            stiffness = in_series(stiffness, _disc(line.line, k))
+            stiffness = spring_and_disc_stiffness(stiffness, _disc(line.line, k))
             yokes = _yokes(shaft, tube)
             if yokes is None:
                 one = of(None, "shaft.yoke_inertia", line=name)
@@ -594,7 +594,9 @@ class _Vehicle:
             turned = given and given.cage_inertia
             parts.rotor(of(turned, "inter_axle.cage_inertia"), cage)
         stiffness = of(rotors.pinion_stiffness, "axle.pinion_stiffness", line=name)
-        stiffness = in_series(stiffness, _disc(line.line, line.line.joint_count - 1))
+        stiffness = spring_and_disc_stiffness(
+            stiffness, _disc(line.line, line.line.joint_count - 1)
+        )
         parts.spring((name, Part("pinion")), stiffness,
                      {last: 1.0} | {f: -v for f, v in cage.items()}, loss=self.loss)  # fmt: skip
         parts.rotor(of(rotors.pinion_inertia, "axle.pinion_inertia", line=name), {pinion: 1.0})
@@ -713,7 +715,7 @@ def _disc(line: Line, joint: int) -> float | None:
     return size and size.torsional_stiffness
 
 
-def in_series(stiffness: Any, disc: float | None) -> Any:
+def spring_and_disc_stiffness(stiffness: Any, disc: float | None) -> Any:
     """Return the stiffness of a spring and a flexible disc ahead of it, N m/rad."""
     return stiffness if disc is None else 1 / (1 / stiffness + 1 / disc)
 

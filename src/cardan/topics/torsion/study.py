@@ -79,7 +79,7 @@ def analyse_vibration(
         msg = f"line {asked[0].installed.line.name} needs a speed and a torque for its vibration"
         raise DesignError(msg)
     tell(VIBRATION_STUDY_NAME, 0, 4)
-    running = OperatingGrid(parts=parts, asked=asked, around=around)
+    running = OperatingGrid(parts=parts, demands=asked, adjacent_rotors=around)
     closed = running.driven(parts.closed, running.closed_ranges)
     tell(VIBRATION_STUDY_NAME, 1, 4)
     slipping = running.driven(parts.slipping, running.slipping_ranges)
@@ -108,7 +108,7 @@ def analyse_vibration(
             for d in asked
         ),
         launches=launches,
-        failed_launches=tuple(running.unstarted),
+        failed_launches=tuple(running.failed_launches),
         doubts=tuple(running.doubts),
     )
 

@@ -13,7 +13,7 @@ from repository import EXAMPLES
 from scipy.optimize import minimize_scalar
 
 from cardan.application import reader
-from cardan.approval.notes import notes_for
+from cardan.approval.notes import approval_notes
 from cardan.checks.drive_forces import TorqueSpeedTimeHistory, bearing_forces_over_time_history
 from cardan.checks.line_response import compute_line_response
 from cardan.core.errors import DesignError
@@ -143,7 +143,7 @@ def test_state_without_geometry_squats_like_reference():
     of = asked(application)
     found = demand_with_axle_moved_by_torque(of, torque=np.full((1, 2), 5410.25), speed=0.0)
     assert found.travel[0, 1] == of.travel[1] == 0.0
-    said = [str(n) for n in notes_for(application, [compute_line_response(application, of)])]
+    said = [str(n) for n in approval_notes(application, [compute_line_response(application, of)])]
     assert sum("runs in measured as these say, whatever its torque" in n for n in said) == 1
 
 
@@ -167,7 +167,7 @@ def test_spring_rates_without_stop_give_warning():
             each, torque=np.full((1, len(riding)), 5410.25), speed=0.0
         )
         assert found.travel[0, k] == pytest.approx(47.15 * mm, abs=0.01 * mm)
-    said = [str(n) for n in notes_for(application, [compute_line_response(application, of)])]
+    said = [str(n) for n in approval_notes(application, [compute_line_response(application, of)])]
     assert sum("nothing stops the axle of line main as it rises" in n for n in said) == 1
     with pytest.raises(DesignError, match="state `jounce` needs `jounce_deflection`"):
         asked(replace(TRUCK, suspension=open_))
@@ -278,7 +278,7 @@ def test_squat_is_zero_if_data_missing_or_disabled(held):
     )
     np.testing.assert_array_equal(found.travel[0], of.travel)
     application = replace(TRUCK, **held)
-    unsaid = map(str, notes_for(application, [compute_line_response(application, of)]))
+    unsaid = map(str, approval_notes(application, [compute_line_response(application, of)]))
     told = [n for n in unsaid if "is not moved on its springs" in n]
     assert len(told) == (0 if "suspension" in held else 1)
 

@@ -306,7 +306,7 @@ def test_torsional_amplitudes_are_at_resonance_peak(example):
     _, app, vehicle = example
     running = OperatingGrid(
         parts=vehicle.drivetrain,
-        asked=tuple(line_state_demand(x) for x in vehicle.drivetrain.lines),
+        demands=tuple(line_state_demand(x) for x in vehicle.drivetrain.lines),
     )
     closed = vehicle.closed
     shafts = [k for k, (_, p) in enumerate(closed.powertrain.springs) if p.kind == "shaft"]
@@ -451,7 +451,7 @@ def test_narrow_resonance_is_evaluated_at_its_peak():
     app = replace(app, tyre=replace(app.tyre, slip_stiffness=9e8))
     vehicle = analyse_vibration(app, surroundings=GearboxAndAxleRotors(damping_ratio=1e-3))
     running = OperatingGrid(
-        parts=vehicle.drivetrain, asked=(line_state_demand(vehicle.drivetrain.lines[0]),)
+        parts=vehicle.drivetrain, demands=(line_state_demand(vehicle.drivetrain.lines[0]),)
     )
     closed, s = vehicle.closed, vehicle.states.index("gvw")
     shaft = closed.powertrain.springs.index(("main", Part("shaft", 1)))
@@ -656,7 +656,7 @@ def test_electric_motor_has_no_firing_idle_or_launch_clutch():
         theirs, rel=1e-2
     )  # shafts of engine and gearbox are as good as one
     asked = tuple(line_state_demand(x) for x in motor.lines)
-    running = OperatingGrid(parts=motor, asked=asked)
+    running = OperatingGrid(parts=motor, demands=asked)
     ranges = running.closed_ranges[0]
     assert ranges[0] == pytest.approx([0.01 * ranges[0, 1], 2500 * rpm / 9])
     assert np.isnan(running.slipping_ranges).all()
