@@ -47,12 +47,10 @@ SOUZA_2014_BRACKET_FAILURE = Source(
     "Souza, Analysis of the failure of a cardan bearing bracket, Unesp 2014"
 )
 PME2540_AUTOMOTIVE_COURSE_EXERCISE_E2 = Source("PME 2540 Automotive Engineering, exercise E2")
-ITIS_OMAR_CARDAN_JOINT_NOTES = Source("ITIS Omar, Il giunto di Cardano")
 ELBE_CATALOGUE = Source("Elbe, Cardan shaft catalogue")
 ISO_21940_11 = Source("ISO 21940-11, Mechanical vibration: rotor balancing")
 GILLESPIE_1992 = Source("Gillespie, Fundamentals of Vehicle Dynamics, SAE 1992")
 WONG_2008 = Source("Wong, Theory of Ground Vehicles, 4th ed. 2008")
-SAE_HS788 = Source("SAE HS-788, Manual on Design and Application of Leaf Springs")
 ASOKANTHAN_HWANG_1996 = Source("Asokanthan & Hwang, J. Vib. Acoust. 118 (1996) 368-374")
 MAZZEI_1999 = Source("Mazzei, Argento & Scott, J. Sound Vib. 222 (1999) 19-47")
 ASTM_E1049 = Source("ASTM E1049-85 (2017), Standard practices for cycle counting in fatigue")

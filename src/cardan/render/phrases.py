@@ -332,18 +332,6 @@ def not_given_sentence(of: "Approval", say: Translator) -> str:
     )
 
 
-def adjustment_range_phrase(a: PermittedAdjustment, say: Translator) -> str:
-    """Return a thing that may be moved and how far, in a workshop's words."""
-    from cardan.approval.applied_adjustments import AppliedAdjustment
-
-    low = adjustment_phrase(AppliedAdjustment(adjustable=a, amount=a.low), say)
-    return say(
-        "{low} to {high}",
-        low=low,
-        high=adjustment_phrase(AppliedAdjustment(adjustable=a, amount=a.high), say),
-    )
-
-
 def unevaluated_limit_lines(
     of: "Approval", say: Translator, *, required: bool = False
 ) -> list[str]:

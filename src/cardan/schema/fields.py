@@ -348,6 +348,5 @@ Efficiency: TypeAlias = Annotated[float, NumberField(least=0.1, most=1, usual=(0
 PositiveShare: TypeAlias = Annotated[float, NumberField(least=1e-3, most=1)]
 ShareFromZeroToOne: TypeAlias = Annotated[float, NumberField(least=0, most=1)]
 Percent: TypeAlias = Annotated[float, NumberField("percent", least=1e-8, most=1)]
-Friction: TypeAlias = Annotated[float, NumberField(least=1e-3, most=2)]
 TyreFriction: TypeAlias = Annotated[float, NumberField(least=1e-3, most=2, usual=(0.5, 1.2))]
 SplineFriction: TypeAlias = Annotated[float, NumberField(least=1e-3, most=2, usual=(0.01, 0.5))]

@@ -272,10 +272,3 @@ def repeats_at_failure_probabilities(
         damage = miner_damage(cycles, curve=spread.at_failure_share(failure), correction=correction)
         lives[failure] = 1 / damage if damage > 0 else math.inf
     return lives
-
-
-def equivalent_range(cycles: Cycles, *, slope: float) -> float:
-    """Constant range that does the damage of the counted ones in as many cycles, N ~ S^-k."""
-    if not cycles.count.sum() > 0:
-        return 0.0
-    return float(np.average(cycles.range**slope, weights=cycles.count) ** (1 / slope))

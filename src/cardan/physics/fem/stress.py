@@ -59,13 +59,6 @@ def normal_stress(stress: ArrayLike, direction: ArrayLike) -> FloatArray:
     return np.einsum("...i,...ij,...j->...", n, stress_tensor(stress), n)
 
 
-def signed_von_mises(stress: ArrayLike) -> FloatArray:
-    """Von Mises stress (...) with the sign of the principal stress that is largest in size."""
-    ends = principal_stresses(stress)[..., [0, 2]]
-    leading = np.take_along_axis(ends, np.abs(ends).argmax(-1)[..., None], -1)[..., 0]
-    return np.copysign(von_mises(stress), leading)
-
-
 def superpose(unit: ArrayLike, loads: ArrayLike) -> FloatArray:
     """Results (..., t, k) of load histories (t, u) from unit results (..., u, k).
 

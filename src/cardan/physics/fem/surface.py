@@ -183,16 +183,3 @@ def is_farther_from_edges(points: FloatArray, edges: FloatArray, *, distance: Me
     if not len(edges):
         return np.ones(len(points), dtype=bool)
     return np.asarray(cKDTree(edges).query(points)[0] > distance, dtype=bool)
-
-
-def find_separated_peaks(
-    points: FloatArray, values: FloatArray, *, count: int, apart: Metre
-) -> IntArray:
-    """Numbers of the points with the highest values, each a distance apart from those before."""
-    found: list[int] = []
-    left = np.isfinite(values)
-    while left.any() and len(found) < count:
-        best = int(np.where(left, values, -np.inf).argmax())
-        found.append(best)
-        left &= np.linalg.norm(points - points[best], axis=-1) > apart
-    return np.array(found, dtype=np.int64)

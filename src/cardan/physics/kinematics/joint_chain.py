@@ -259,30 +259,6 @@ def order_amplitudes(values: ArrayLike, *, highest: int = 4, axis: int = -1) -> 
     return np.moveaxis(found, -1, axis)
 
 
-def peak_over_turn(values: ArrayLike, *, axis: int = -1) -> FloatArray:
-    """Return the largest absolute value over a turn, between the samples too.
-
-    The samples' trigonometric interpolation is followed uphill from the best sample by
-    Newton's method, so the answer is that of a turn without steps.
-    """
-    values = np.moveaxis(np.asarray(values, dtype=float), axis, -1)
-    n = values.shape[-1]
-    best = np.argmax(np.abs(values), axis=-1)
-    spectrum = np.fft.rfft(values, axis=-1) / n
-    spectrum[..., 1 : (n + 1) // 2] *= 2
-    k = np.arange(spectrum.shape[-1])
-    theta = 2 * np.pi * best / n
-    step = np.pi / n
-    for _ in range(4):
-        wave = spectrum * np.exp(1j * k * theta[..., None])
-        slope = (1j * k * wave).real.sum(-1)
-        bend = (-(k**2) * wave).real.sum(-1)
-        newton = -slope / np.where(bend == 0, 1.0, bend)
-        theta = theta + np.clip(np.where(bend == 0, 0.0, newton), -step, step)
-    top = np.abs((spectrum * np.exp(1j * k * theta[..., None])).real.sum(-1))
-    return np.maximum(top, np.abs(values).max(-1))
-
-
 @cache
 def _around(samples: int) -> tuple[FloatArray, ComplexArray]:
     """Return equally spaced angles θ of one turn, (samples,) rad, and e^{iθ}."""

@@ -54,17 +54,6 @@ def phase_of_least_fluctuation(plane_angle: ArrayLike) -> FloatArray:
     return pi / 2 - (pi / 2 - plane) % pi
 
 
-def least_equivalent_angle(beta: ArrayLike, beta2: ArrayLike) -> FloatArray:
-    """Equivalent angle (...) rad at the best phase: what no phase of the yokes removes.
-
-    |r₁ - r₂| / (1 - r₁ r₂) = tan²(β_eq/2), zero for two equal angles. In closed form
-    cos β_eq is the smaller of cos β₁/cos β₂ and its inverse.
-    """
-    xp, first, second = array_library_and_floats(beta, beta2)
-    r, r2 = xp.tan(first / 2) ** 2, xp.tan(second / 2) ** 2
-    return 2 * xp.atan(xp.sqrt(xp.abs(r - r2) / (1 - r * r2)))
-
-
 def phase_tolerance(beta: ArrayLike, beta2: ArrayLike, *, limit: ArrayLike) -> FloatArray:
     """Largest deviation (...) rad from the best phase that keeps an equivalent angle (...) rad.
 

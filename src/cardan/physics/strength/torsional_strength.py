@@ -24,15 +24,6 @@ _ROOT3 = ConstantWithDisplayText(sqrt(3), "√3", "SQRT(3)")
 ULTIMATE_SHEAR_RATIO = 0.67
 """Ultimate shear strength of steel over its ultimate strength (Shigley)."""
 
-SHOCK_FACTOR_RANGES_BY_DUTY = {
-    "continuous": (1.2, 1.5),
-    "light": (1.5, 2.0),
-    "medium": (2.5, 2.5),
-    "heavy": (3.0, 3.0),
-    "extreme": (4.0, 6.0),
-}
-"""Service factors of industrial catalogues (Dana Spicer), by how the driven machine loads."""
-
 
 def tube_shear_stress(torque: ArrayLike, *, outer: ArrayLike, inner: ArrayLike) -> FloatArray:
     """Shear stress at the outside of a tube, (...) Pa: τ = 16 T D / (π (D⁴ − d⁴)).

@@ -233,8 +233,8 @@ class OperatingGrid:
         mean = np.full((G, S, springs), np.nan)
         total, peak, ratio = (np.full_like(mean, np.nan) for _ in range(3))
         acceleration = np.full((G, S, len(self.demands)), np.nan)
-        index, speeds = _candidates(found, damping, ranges, shown)
-        if not len(speeds):
+
+        def vibration() -> PowertrainVibration:
             return PowertrainVibration(
                 powertrain=powertrain,
                 modes=found,
@@ -248,6 +248,10 @@ class OperatingGrid:
                 vibratory_ratio=ratio,
                 acceleration=acceleration,
             )
+
+        index, speeds = _candidates(found, damping, ranges, shown)
+        if not len(speeds):
+            return vibration()
         speeds = self._at_peaks(powertrain, found, speeds, index)
         now = self.at(powertrain, found, speeds, index)
         moved = forced_torsional_response(
@@ -279,19 +283,7 @@ class OperatingGrid:
             peak[g, s] = np.fmax(peak[g, s], held + together[c])
             ratio[g, s] = np.fmax(ratio[g, s], together[c] / np.where(held > 0, held, np.nan))
             acceleration[g, s] = np.fmax(acceleration[g, s], shaken[c])
-        return PowertrainVibration(
-            powertrain=powertrain,
-            modes=found,
-            damping=damping,
-            ranges=ranges,
-            torque=torque,
-            speed=speed_at,
-            mean_torque=mean,
-            worst_vibratory_torque=total,
-            peak_torque=peak,
-            vibratory_ratio=ratio,
-            acceleration=acceleration,
-        )
+        return vibration()
 
     @staticmethod
     def _leads_alone(now: "_OperatingSamples") -> FloatArray:

@@ -1,6 +1,6 @@
 """What turns and springs between engine and road in a file, each part at its own speed."""
 
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -145,9 +145,6 @@ class HalfShaftsTable(Table):
             torsion_bar_stiffness(diameter=d, length=left, shear_modulus=G),
             torsion_bar_stiffness(diameter=d, length=right, shear_modulus=G),
         )
-
-
-HalfShafts: TypeAlias = Annotated[tuple[float, float], HalfShaftsTable]
 
 
 class InterAxleDifferentialTable(Table):

@@ -12,7 +12,6 @@ from cardan.physics.kinematics.joint_chain import (
     dot_product,
     joint_angles,
     order_amplitudes,
-    peak_over_turn,
     rotate_chain,
 )
 
@@ -147,13 +146,3 @@ def test_orders_take_a_turn_apart():
     assert found.shape == (2, 5)
     assert found[0] == pytest.approx([3, 0, 2 * np.exp(-0.5j), 0, -0.25j], abs=1e-15)
     assert order_amplitudes(values[:, None], axis=0)[2, 0] == pytest.approx(found[0, 2], abs=1e-15)
-
-
-@pytest.mark.parametrize("sign", [1, -1])
-def test_a_peak_is_found_between_the_samples(sign):
-    theta = np.arange(32) * 2 * np.pi / 32
-    at = 1.234
-    values = sign * (1 + np.cos(theta - at) + 0.1 * np.cos(4 * (theta - at)))
-    assert abs(values).max() < 2.1 - 1e-4
-    assert peak_over_turn(values) == pytest.approx(2.1, rel=1e-14)
-    assert peak_over_turn(np.zeros(32)) == 0

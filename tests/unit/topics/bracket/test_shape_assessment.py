@@ -30,7 +30,6 @@ from cardan.physics.fem.strain_gauges import (
     recover_loads_and_flange_clamping,
 )
 from cardan.physics.fem.stress import stress_extremes, superpose, von_mises
-from cardan.physics.fem.surface import find_separated_peaks
 from cardan.render.i18n import Translator
 from cardan.topics.bracket.boundary_case import BoundaryCase
 from cardan.topics.bracket.case_evaluation import _pulls_off, _stressed
@@ -75,7 +74,6 @@ def test_uniaxial_stress_along_a_direction():
     assert stress.von_mises(one) == pytest.approx(1)
     assert stress.normal_stress(one, n) == pytest.approx(1)
     assert stress.normal_stress(one, [2, -2, 1]) == pytest.approx(0, abs=1e-15)
-    assert stress.signed_von_mises(-one) == pytest.approx(-1)
     assert stress.max_normal_stress_swing_direction(np.stack([one, -one])) == pytest.approx(n) or (
         stress.max_normal_stress_swing_direction(np.stack([one, -one])) == pytest.approx(-n)
     )
@@ -174,15 +172,6 @@ def test_blind_gauges_are_refused():
         recover_loads(two_alike, np.zeros(3))
     with pytest.raises(DesignError, match="2 gauges cannot separate 3 loads"):
         recover_loads(two_alike[:2], np.zeros(2))
-
-
-def test_peaks_stand_apart():
-    points = np.array([[0, 0, 0], [1, 0, 0], [5, 0, 0], [9, 0, 0.0]])
-    assert find_separated_peaks(points, np.array([3, 4, 2, 1.0]), count=3, apart=2).tolist() == [
-        1,
-        2,
-        3,
-    ]
 
 
 @pytest.mark.parametrize(
