@@ -78,12 +78,17 @@ def test_best_phase_leaves_least_of_all_phases():
     assert angles.min() == pytest.approx(np.arccos(np.cos(beta) / np.cos(beta2)), rel=1e-6)
 
 
-def test_phase_tolerance_reaches_its_limit_exactly():
-    beta, beta2, plane = np.radians([12.0, 10.0, 30.0])
-    limit = np.radians(9.0)
+@pytest.mark.parametrize("limit_deg", [9.0, 15.0])
+def test_phase_tolerance_reaches_its_limit_exactly(limit_deg):
+    """Up to the largest angle of all phases, 15.6 deg, not only near the best phase."""
+    beta, beta2, plane, limit = np.radians([12.0, 10.0, 30.0, limit_deg])
     tolerance = float(pair.phase_tolerance(beta, beta2, limit=limit))
     phasor = pair.pair_phasor(beta, beta2, phase=plane - tolerance, plane_angle=plane)
     assert pair.equivalent_angle_of_phasor(phasor) == pytest.approx(limit, rel=1e-12)
+
+
+def test_phase_tolerance_of_limits_beyond_all_phases():
+    beta, beta2 = np.radians([12.0, 10.0])
     assert np.isnan(pair.phase_tolerance(beta, beta2, limit=np.radians(6.0)))
     assert pair.phase_tolerance(beta, beta2, limit=np.radians(20.0)) == pytest.approx(np.pi / 2)
     assert pair.phase_tolerance(beta, 0.0, limit=beta) == pytest.approx(np.pi / 2)
