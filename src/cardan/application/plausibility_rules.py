@@ -36,14 +36,14 @@ SPLINE_PLACE_SOURCE = (
     "range assumed"
 )
 STROKE_SOURCE = "examples: 1.2 to 3; range assumed"
-DUTY_POWER_SOURCE = "duty cycles by name, coasting aside: 0.6 or more; range assumed"
+DUTY_POWER_SOURCE = "duty cycles by name, coasting aside: 0.5 or more; range assumed"
 MISSIONS_SOURCE = (
     "missions of vehicle groups, Regulation (EU) 2017/2400, annex I, from memory; masses assumed"
 )
 RETARDER_SOURCE = "assumed: 80 on a city bus, up to 200 on trucks"
-GOVERNED_SOURCE = "lorries are limited to 90 km/h, Directive 92/6/EEC; range assumed"
+GOVERNED_SOURCE = "lorries are limited to 90 km/h, Directive 92/6/EEC, from memory; range assumed"
 PITCH_SOURCE = "0.02 to 0.11 in the examples, -1 for a trailing arm by geometry; range assumed"
-LEAF_SOURCE = "two cantilevers for each spring, SAE J788; range assumed, 1.9 to 4.8 in the examples"
+LEAF_SOURCE = "mechanics of two cantilevers; 1.9 to 4.8 in the examples; range assumed"
 CHECK_UNIT_HINT = "check the unit"
 
 R = PlausibilityRule

@@ -95,7 +95,7 @@ def _given_numbers(application: Application) -> dict[str, float]:
     return {
         key: float(value)
         for key, value in addresses(application).items()
-        if not isinstance(value, np.ndarray)
+        if isinstance(value, int | float)
         and value
         and not key.startswith("duty[")  # shares make 100
         and not any(rating in key for rating in RATING_KEYS)
