@@ -464,5 +464,6 @@ def compare_typical_parts(of: RelationContext) -> ComparedValues:
 def compare_shock_factor(of: RelationContext) -> ComparedValues:
     """Shock factor, if a limit is on a torque that it multiplies."""
     asked = {limit.quantity for limit in of.application.limits}
-    if "joint_torque_utilisation" in asked and of.application.engine and of.application.vehicle:
+    driven = of.application.engine and of.application.vehicle
+    if "joint_torque_utilisation" in asked and (driven or of.application.duty):
         yield ComparedValue(("shock_factor",), of.application.shock_factor, ("limits",))

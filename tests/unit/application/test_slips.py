@@ -343,6 +343,9 @@ OTHERS = [
     (PICK_UP, Slip({"vehicle.wheelbase_mm": 2300}, "transfer_case_reach")),
     (REFUSE, Slip({"axle.ratio": 8.48}, "governed_road_speed")),
     (REFUSE, Slip({f"{EMPTY}.cg_height_mm": 2150}, "centre_rise")),
+    # --- limits of angles alone for a machine with a duty; shocks left out there too
+    (INDUSTRIAL, Slip({"limits": "protractor"}, "unused_inputs")),
+    (INDUSTRIAL, Slip({"shock_factor": None}, "shock_factor")),
     # --- the through-drive's pinion with the values of the plain one, or the other sign
     (TANDEM, Slip({f"{MAIN}.axle.pinion.ahead_mm": 380, f"{MAIN}.axle.pinion.above_mm": 50},
                   "through_shaft")),
