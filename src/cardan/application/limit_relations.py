@@ -58,7 +58,7 @@ def compare_limits_without_maximum(of: RelationContext) -> ComparedValues:
 
 
 def compare_unused_inputs(of: RelationContext) -> ComparedValues:
-    """Number of inputs that a file gives and that the profile which it names has no limit for."""
+    """How many inputs a file gives for which the profile that it names has no limit."""
     application = of.application
     if application.profile.partition(",")[0] not in profile_names():
         return

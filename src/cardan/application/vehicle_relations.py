@@ -255,7 +255,8 @@ def compare_through_shaft(of: RelationContext) -> ComparedValues:
     for line in of.lines:
         for ahead in of.lines:
             axle, output = ahead.installed.axle, line.installed.output_joint
-            if axle and output and line.installed.starts_at_axle_of(ahead.installed):
+            given = axle and axle.pinion_joint[0] and output  # else its place is not known
+            if axle and output and given and line.installed.starts_at_axle_of(ahead.installed):
                 along, up = output[0] - axle.pinion_joint[0], axle.pinion_joint[1] - output[1]
                 slope = np.degrees(np.arctan2(up, along))
                 value = abs(slope - float(ahead.installed.layout.side[-1]) / deg)
