@@ -7,6 +7,7 @@ from cardan.application.overrides import change
 from cardan.application.reader import loads, read
 from cardan.application.templates import template_text
 from cardan.approval.approval import approve_driveline
+from cardan.documents.first_screen import screen_lines
 
 SMALL = loads(template_text("small"))
 
@@ -50,3 +51,10 @@ def test_values_beside_a_geometry_that_states_repeat_are_named():
     # The torque enters by its product with the shock factor: both may rise by the same share.
     shares = [one.fails_at / one.given for one in found.inputs]
     assert shares == pytest.approx([1 / found.check.value] * 2, rel=1e-6)
+
+
+def test_screen_names_the_values_in_three_digits():
+    approval = approve_driveline(SMALL)
+    text = " ".join(" ".join(screen_lines(approval)).split())
+    assert "tube shear / yield, shaft 1 is exceeded from about" in text
+    assert "shafts[1].tube.outer_mm 91.3 (101.6 given), torque_Nm 9670 (8000 given)" in text
