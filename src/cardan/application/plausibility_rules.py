@@ -35,6 +35,7 @@ SPLINE_PLACE_SOURCE = (
     "GWB, length dimensions: a shaft works best with a third of its length compensation drawn out; "
     "range assumed"
 )
+SHARES_SOURCE = "an open differential and equalised axles halve it; range assumed"
 STROKE_SOURCE = "examples: 1.2 to 3; range assumed"
 DUTY_POWER_SOURCE = "duty cycles by name, coasting aside: 0.5 or more; range assumed"
 MISSIONS_SOURCE = (
@@ -183,9 +184,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       BY_DEFINITION, hint="the lines that leave the gearbox share all of its torque"),
     R("inter_axle_shares", "the torque share over that of the line ahead",
       line.compare_inter_axle_shares,
-      (0.2, 0.8), hint="both are shares of the gearbox output's torque"),
+      (0.3, 0.65), SHARES_SOURCE, hint="both are shares of the gearbox output's torque"),
     R("inter_axle_load_shares", "the load share over that of the line ahead",
-      line.compare_inter_axle_load_shares, (0.2, 0.8),
+      line.compare_inter_axle_load_shares, (0.3, 0.7), SHARES_SOURCE,
       hint="behind it stands a part of the bogie's load"),
     R("lines_over_axles", "the number of lines over that of the driven rear axles",
       line.compare_lines_over_axles, (1, inf), BY_DEFINITION,

@@ -343,6 +343,7 @@ OTHERS = [
     (PICK_UP, Slip({"vehicle.wheelbase_mm": 2300}, "transfer_case_reach")),
     (REFUSE, Slip({"axle.ratio": 8.48}, "governed_road_speed")),
     (REFUSE, Slip({f"{EMPTY}.cg_height_mm": 2150}, "centre_rise")),
+    ("mtv-6x6", Slip({"drivelines.main.torque_share": 0.5}, "inter_axle_shares")),
     # --- limits of angles alone for a machine with a duty; shocks left out there too
     (INDUSTRIAL, Slip({"limits": "protractor"}, "unused_inputs")),
     (INDUSTRIAL, Slip({"shock_factor": None}, "shock_factor")),
