@@ -18,11 +18,11 @@ from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_
 RELATIVE_STEP = 0.01
 """Share by which each number is changed, one at a time, to find how a criterion follows it."""
 
-MAX_RELATIVE_CHANGE = 0.5
-"""Share up to which a slope says where a criterion fails, roughly: slips beyond it are larger
-than most relations of the file let pass."""
+MAX_RELATIVE_CHANGE = 0.25
+"""Share up to which a slope says where a criterion fails, roughly: assumed."""
 
 MAX_DECIDING_INPUTS = 2
+MAX_TRIED_QUANTITIES = 3
 MAX_CHANGED_NUMBERS = 500
 """Numbers of a file above which none are changed: long duties and curves take too long."""
 
@@ -56,7 +56,8 @@ def deciding_inputs(
     """Return the given numbers by which the check nearest to its maximum fails first.
 
     Each number is changed by `RELATIVE_STEP` alone, and the change of the worst state's value is
-    taken as linear. Criteria on rubber are left out: they would take seconds.
+    taken as linear. Criteria on rubber are left out: they would take seconds. Where no number
+    decides the nearest quantity, the next is tried.
 
     Returns
     -------
@@ -66,22 +67,35 @@ def deciding_inputs(
     """
     if any(c.grade == "fail" for c in checks):
         return None
-    near = [c for c in checks if _has_maximum(c)]
-    check = min(near, key=lambda c: float(c.limit.margin(c.value, to="maximum")), default=None)
-    response = next((r for r in responses if check and r.line.name == check.line), None)
-    if check is None or response is None or response.layout.points.ndim > 3:
-        return None
-    try:
-        numbers = _given_numbers(response.application)
-        found = _relative_changes(response, numbers, check)
-    except CardanError:
-        return None
+    nearest: dict[str, Check] = {}
+    for check in sorted(filter(_has_maximum, checks), key=_margin_to_maximum):
+        nearest.setdefault(check.quantity, check)
+    for check in list(nearest.values())[:MAX_TRIED_QUANTITIES]:
+        response = next((r for r in responses if r.line.name == check.line), None)
+        if response is None or response.layout.points.ndim > 3:
+            return None
+        try:
+            inputs = _inputs_of(response, check)
+        except CardanError:
+            return None
+        if inputs:
+            return DecidingInputs(check=check, inputs=inputs)
+    return None
+
+
+def _inputs_of(response: LineResponse, check: Check) -> tuple[DecidingInput, ...]:
+    """Return the given numbers by which a check fails first, one of each list."""
+    numbers = _given_numbers(response.application)
+    found = _relative_changes(response, numbers, check)
     by_list: dict[str, DecidingInput] = {}
     for key, needed in sorted(found.items(), key=lambda item: abs(item[1])):
         one = DecidingInput(key=key, given=numbers[key], fails_at=numbers[key] * (1 + needed))
         by_list.setdefault(key.partition("[")[0] if key.endswith("]") else key, one)
-    inputs = tuple(by_list.values())[:MAX_DECIDING_INPUTS]
-    return DecidingInputs(check=check, inputs=inputs) if inputs else None
+    return tuple(by_list.values())[:MAX_DECIDING_INPUTS]
+
+
+def _margin_to_maximum(c: Check) -> float:
+    return float(c.limit.margin(c.value, to="maximum"))
 
 
 def _has_maximum(c: Check) -> bool:
@@ -97,7 +111,7 @@ def _given_numbers(application: Application) -> dict[str, float]:
         for key, value in addresses(application).items()
         if isinstance(value, int | float)
         and value
-        and not key.startswith("duty[")  # shares make 100
+        and ".share_" not in key  # all of a duty make 100
         and not any(rating in key for rating in RATING_KEYS)
         and _is_typed(application, key)
     }
