@@ -92,7 +92,7 @@ def compare_spline_place(of: RelationContext) -> ComparedValues:
     """Place of a spline from its front joint over the shaft's length."""
     for line in of.lines:
         for at, shaft, length in line.shafts:
-            if shaft.spline:
+            if shaft.spline and shaft.spline.from_front_joint:  # 0: not given
                 keys = (f"{at}.spline.from_front_joint",)
                 value = shaft.spline.from_front_joint / length
                 yield ComparedValue(keys, value, (f"{at}.length", f"{line.at}.points"))
@@ -133,6 +133,17 @@ def compare_spline_stroke(of: RelationContext) -> ComparedValues:
                 keys = f"{at}.spline.{'plunge' if spline.plunge >= spline.draw else 'draw'}"
                 others = f"{at}.spline.plunge", f"{at}.spline.draw"
                 yield ComparedValue((keys,), nan if needed else stroke / mm, others)
+
+
+def compare_stroke_over_diameter(of: RelationContext) -> ComparedValues:
+    """Way between a spline's stops over its mean diameter, of those that are given both."""
+    for at, shaft, _ in of.shafts:
+        spline = shaft.spline
+        if spline and spline.mean_radius and spline.plunge is not None and spline.draw is not None:
+            value = (spline.plunge + spline.draw) / (2 * spline.mean_radius)
+            longer = f"{at}.spline.{'plunge' if spline.plunge >= spline.draw else 'draw'}"
+            others = f"{at}.spline.plunge", f"{at}.spline.draw", f"{at}.spline.mean_radius"
+            yield ComparedValue((longer,), value, others)
 
 
 def _length_changes(line: LineContext) -> FloatArray | None:
@@ -377,6 +388,17 @@ def compare_joint_series(of: RelationContext) -> ComparedValues:
         if series:
             detail = ", ".join(dict.fromkeys(f"{j.name} ({j.series})" for j in crosses))
             yield ComparedValue((f"{line.at}.joints",), float(len(series)), detail=detail)
+
+
+def compare_speed_angle_product(of: RelationContext) -> ComparedValues:
+    """Largest speed times angle of a joint over the product of its largest speed and angle."""
+    for line in of.lines:
+        for k, joint in enumerate(line.installed.line.joints, 1):
+            if joint and joint.speed_max and joint.angle_max:
+                value = ratio(joint.speed_angle_max, joint.speed_max * joint.angle_max)
+                at = f"{line.at}.joints[{k}]"
+                against = f"{at}.speed_max", f"{at}.angle_max"
+                yield ComparedValue((f"{at}.n_beta_max", f"{line.at}.joints"), value, against)
 
 
 def compare_joint_over_tube(of: RelationContext) -> ComparedValues:

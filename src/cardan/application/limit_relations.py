@@ -57,6 +57,25 @@ def compare_limits_without_maximum(of: RelationContext) -> ComparedValues:
             yield ComparedValue((rows[0][0],), float(lost), detail=quantity)
 
 
+def compare_unused_inputs(of: RelationContext) -> ComparedValues:
+    """How many inputs a file gives for which the profile that it names has no limit."""
+    application = of.application
+    if application.profile.partition(",")[0] not in profile_names():
+        return
+    inputs = {
+        "duty (joint_life)": bool(application.duty or application.duty_cycle),
+        "obstacles (clearance)": bool(application.obstacles),
+    }
+    limited = {limit.quantity for limit in application.limits}
+    unused = [
+        name
+        for name, given in inputs.items()
+        if given and name.partition("(")[2].rstrip(")") not in limited
+    ]
+    against = tuple(name.partition(" ")[0] for name in unused)
+    yield ComparedValue(("limits",), float(len(unused)), against, ", ".join(unused))
+
+
 def _own_limits(application: Application) -> Iterator[tuple[str, Limit]]:
     """Yield the limits that no shipped profile states as they are, each with its address."""
     name, limits = application.profile, application.limits

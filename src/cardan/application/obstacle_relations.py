@@ -74,15 +74,48 @@ def compare_obstacle_thickness(of: RelationContext) -> ComparedValues:
 def compare_cross_member_skew(of: RelationContext) -> ComparedValues:
     """Angle of a cross member from square to the vehicle, deg; both sides of a frame are alike.
 
-    Of obstacles from one side of the vehicle to the other. Beyond `MAX_SKEW_DEG` it is no slip.
+    Of obstacles from one side of the vehicle to the other. Beyond `MAX_SKEW_DEG` it is no slip,
+    unless both ends are as far out and one of their other coordinates is the same.
     """
     for k, obstacle in enumerate(of.application.obstacles, 1):
         dx, dy, dz = np.abs(np.subtract(obstacle.end, obstacle.start))
         if obstacle.start[1] * obstacle.end[1] < 0:
             angle = float(np.degrees(np.arctan2(np.hypot(dx, dz), dy)))
-            value = angle if angle < MAX_SKEW_DEG else nan
+            mirrored = obstacle.start[1] == -obstacle.end[1] and (dx == 0) != (dz == 0)
+            value = angle if angle < MAX_SKEW_DEG or mirrored else nan
             at = f"obstacles[{k}]"
             yield ComparedValue((f"{at}.end", at), value, (f"{at}.start",))
+
+
+def compare_obstacle_share(of: RelationContext) -> ComparedValues:
+    """Share of the axle's travel that an obstacle makes, of those that the frame does not hold."""
+    for k, obstacle in enumerate(of.application.obstacles, 1):
+        if obstacle.travel_share:
+            yield ComparedValue((f"obstacles[{k}].travel_share",), float(obstacle.travel_share))
+
+
+def compare_fixed_member_height(of: RelationContext) -> ComparedValues:
+    """Height above the wheel centres of a cross member that the frame holds, in tyre radii.
+
+    Of trucks and behind joint 2, up to the wheels: ahead of it a gearbox has its supports.
+    """
+    tyre = of.application.tyre
+    if of.vehicle_class not in ("medium truck", "heavy truck") or tyre is None:
+        return
+    for line in of.lines:
+        axle, points = line.installed.axle, line.installed.layout.points
+        if axle is None or not line.leaves_gearbox:
+            continue
+        wheel = points[-1] - (axle.pinion_joint[0], 0.0, axle.pinion_joint[1])
+        for k, obstacle in enumerate(of.application.obstacles, 1):
+            at = f"obstacles[{k}]"
+            across = obstacle.start[1] * obstacle.end[1] < 0
+            behind = points[1, 0] < min(obstacle.start[0], obstacle.end[0]) < wheel[0]
+            if obstacle.line == line.installed.line.name and across and behind:
+                above = (obstacle.start[2] + obstacle.end[2]) / 2 - wheel[2]
+                value = nan if obstacle.travel_share else float(above / tyre.static_radius)
+                keys, against = (f"{at}.travel_share", at), (f"{at}.start", f"{line.axle}.pinion")
+                yield ComparedValue(keys, value, against, default="0")
 
 
 def compare_obstacle_slenderness(of: RelationContext) -> ComparedValues:

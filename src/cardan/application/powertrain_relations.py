@@ -21,6 +21,24 @@ MIN_CURVE_POINTS = 3
 MAX_GOVERNED_DROOP = 0.2
 """Share of speed within which a governor takes an engine's torque away: assumed."""
 
+MAX_TYPED_DUTY_POINTS = 8
+"""Points of a duty up to which a person has typed them: assumed."""
+
+COASTING_TORQUE_SHARE = 0.02
+"""Share of a duty's largest torque below which a point is coasting; named cycles: 0.0125."""
+
+LEAST_MASS_T = {"long-haul": 7.5, "refuse": 3.5, "construction": 3.5}
+"""Mass, t, from which vehicles do what a duty cycle says, assumed: lorries of Regulation (EU)
+2017/2400 have the mission long haul; below 3.5 t are vans. Below it other cycles load more."""
+
+OTHER_DRIVES: dict[str, frozenset[str]] = {
+    "distribution": frozenset({"4x4", "6x4", "6x6", "8x4", "8x8"}),
+    "long-haul": frozenset({"4x4", "6x6", "8x8"}),
+    "regional": frozenset({"4x4", "6x6", "8x8"}),
+}
+"""Drives of trucks whose groups have not the mission of a duty cycle: all-wheel drive has
+construction and municipal utility, 6x4 and 8x4 no urban delivery."""
+
 LEAST_CRAWLER_RATIO = 4.0
 """Ratio of an automatic's first gear from which it is a crawler, shorter than reverse: assumed."""
 
@@ -119,6 +137,42 @@ def compare_largest_duty_torque(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"duty[{k + 1}].torque", "duty"), value, against)
 
 
+def compare_duty_powers(of: RelationContext) -> ComparedValues:
+    """Power of a duty point over the largest of its duty, coasting aside.
+
+    A vehicle pulls away slowly and cruises fast: its power stays within one order of magnitude.
+    Of a few points, as a person types them: classes of a measured trip hold what is rare.
+    """
+    duty = of.application.duty
+    if not 1 < len(duty) <= MAX_TYPED_DUTY_POINTS:
+        return
+    power, most = max(p.torque * p.speed for p in duty), max(p.torque for p in duty)
+    for k, p in enumerate(duty, 1):
+        coasts = p.torque < COASTING_TORQUE_SHARE * most
+        value = nan if coasts else ratio(p.torque * p.speed, power)
+        others = [i for i in range(1, len(duty) + 1) if i != k]
+        keys = f"duty[{k}].torque", f"duty[{k}]"
+        against = (f"duty[{k}].speed", *(f"duty[{i}].torque" for i in others))
+        yield ComparedValue(keys, value, against)
+
+
+def compare_named_duty(of: RelationContext) -> ComparedValues:
+    """1 if a duty cycle by name is not for a vehicle of this mass or drive, else 0.
+
+    Regulation (EU) 2017/2400, annex I, gives each group of vehicles its missions.
+    """
+    cycle, vehicle = of.application.duty_cycle, of.application.vehicle
+    if cycle is None or vehicle is None or not of.masses:
+        return
+    least = LEAST_MASS_T.get(cycle.name, 0.0)
+    is_truck = of.heaviest >= LEAST_MASS_T["long-haul"]
+    drives = OTHER_DRIVES.get(cycle.name, frozenset()) if is_truck else frozenset[str]()
+    light, driven = of.heaviest < least, vehicle.drive in drives
+    detail = f"{cycle.name}, " + (f"{of.heaviest:.3g} t < {least:g} t" if light else vehicle.drive)
+    against = (of.heaviest_address,) if light else ("vehicle.drive",)
+    yield ComparedValue(("duty",), float(light or driven), against, detail)
+
+
 def compare_part_powers(of: RelationContext) -> ComparedValues:
     """Torque times speed of a state or duty point over the engine's largest power."""
     for k, p in enumerate(of.application.duty, 1):
@@ -149,6 +203,13 @@ def compare_retarder_torque(of: RelationContext) -> ComparedValues:
         yield ComparedValue(
             ("gearbox.retarder_torque",), value, ("engine.torque", "gearbox.ratios")
         )
+
+
+def compare_retarder_per_tonne(of: RelationContext) -> ComparedValues:
+    """Torque of the retarder for each tonne of the vehicle, N m/t."""
+    if gearbox := of.application.gearbox:
+        value = ratio(gearbox.retarder_torque or None, of.heaviest)
+        yield ComparedValue(("gearbox.retarder_torque",), value, (of.heaviest_address,))
 
 
 # --- engine
@@ -352,6 +413,18 @@ def compare_road_speed(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{line.axle}.ratio",), value, against)
 
 
+def compare_governed_road_speed(of: RelationContext) -> ComparedValues:
+    """Road speed at the top speed that the file gives, km/h."""
+    tyre, speed = of.application.tyre, of.application.speed
+    for line in of.lines:
+        axle = line.installed.axle
+        if axle and tyre and speed:
+            radius = tyre.dynamic_radius or tyre.static_radius
+            value = speed * line.installed.speed_ratio / axle.ratio * radius * 3.6
+            against = ("speed", "tyre.dynamic_radius")
+            yield ComparedValue((f"{line.axle}.ratio",), value, against)
+
+
 def compare_gradeability(of: RelationContext) -> ComparedValues:
     """Push of the engine in its lowest gear over the weight at the largest mass."""
     tyre, gearbox = of.application.tyre, of.application.gearbox
@@ -391,5 +464,6 @@ def compare_typical_parts(of: RelationContext) -> ComparedValues:
 def compare_shock_factor(of: RelationContext) -> ComparedValues:
     """Shock factor, if a limit is on a torque that it multiplies."""
     asked = {limit.quantity for limit in of.application.limits}
-    if "joint_torque_utilisation" in asked and of.application.engine and of.application.vehicle:
+    driven = of.application.engine and of.application.vehicle
+    if "joint_torque_utilisation" in asked and (driven or of.application.duty):
         yield ComparedValue(("shock_factor",), of.application.shock_factor, ("limits",))

@@ -2,11 +2,15 @@
 
 from collections.abc import Callable
 from contextlib import suppress
+from itertools import pairwise
 from math import nan
+
+import numpy as np
 
 from cardan.application.relation_context import (
     ComparedValue,
     ComparedValues,
+    LineContext,
     RelationContext,
     ratio,
 )
@@ -26,6 +30,9 @@ UNLADEN_STATE_KINDS: tuple[SuspensionState, ...] = ("curb", "empty")
 
 TRAILING_ARM_PITCH = (-1.3, -0.7)
 """Pitch rate times link radius of an axle that a trailing arm holds rigidly: -1 by geometry."""
+
+LINK_OF_HALF_LEAF = 0.75
+"""Length of the equivalent link over the front half of a leaf spring: SAE J788."""
 
 LADEN, UNLADEN = "vehicle.loads.gvw", "vehicle.loads.empty"
 
@@ -103,6 +110,15 @@ def compare_payload_height(of: RelationContext) -> ComparedValues:
     moment = heavy * laden.cg_height - light * empty.cg_height
     value = ratio(ratio(moment, heavy - light), tyre.static_radius)
     yield ComparedValue((f"{LADEN}.cg_height",), value, (f"{UNLADEN}.cg_height",))
+
+
+def compare_centre_rise(of: RelationContext) -> ComparedValues:
+    """Height of the centre of gravity empty over that at gvw."""
+    vehicle = of.application.vehicle
+    loads = {load.name: load for load in vehicle.loads} if vehicle else {}
+    if {"empty", "gvw"} <= set(loads):
+        value = ratio(loads["empty"].cg_height, loads["gvw"].cg_height)
+        yield ComparedValue((f"{UNLADEN}.cg_height",), value, (f"{LADEN}.cg_height",))
 
 
 def compare_payload_place(of: RelationContext) -> ComparedValues:
@@ -221,6 +237,55 @@ def compare_output_behind(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, value, ("tyre.static_radius",))
 
 
+def compare_output_height(of: RelationContext) -> ComparedValues:
+    """Height of joint 1 above the wheels of the axle it leaves, in tyre radii."""
+    for line in of.lines:
+        joint, tyre = line.installed.output_joint, of.application.tyre
+        if joint and tyre:
+            keys = f"{line.at}.output_joint.above", f"{line.at}.output_joint.below"
+            value = joint[1] / tyre.static_radius
+            yield ComparedValue(keys, value, ("tyre.static_radius",))
+
+
+def compare_through_shaft(of: RelationContext) -> ComparedValues:
+    """Slope from the pinion of a through-driven axle to its output less the pinion's own, deg.
+
+    The shaft through the axle is one straight line, or nearly so.
+    """
+    for line in of.lines:
+        for ahead in of.lines:
+            axle, output = ahead.installed.axle, line.installed.output_joint
+            given = axle and axle.pinion_joint[0] and output  # else its place is not known
+            if axle and output and given and line.installed.starts_at_axle_of(ahead.installed):
+                along, up = output[0] - axle.pinion_joint[0], axle.pinion_joint[1] - output[1]
+                slope = np.degrees(np.arctan2(up, along))
+                value = abs(slope - float(ahead.installed.layout.side[-1]) / deg)
+                keys = f"{line.at}.output_joint.above", f"{line.at}.output_joint.below"
+                against = f"{ahead.axle}.pinion", f"{ahead.at}.pinion_slope"
+                yield ComparedValue(keys, float(value), against)
+
+
+def compare_transfer_case_reach(of: RelationContext) -> ComparedValues:
+    """Reach of the lines to the front and the rear axle together over the wheelbase.
+
+    Both leave a transfer case; its outputs stand apart by no more than its own length.
+    """
+    vehicle = of.application.vehicle
+    reach: dict[str, list[tuple[LineContext, float]]] = {"front": [], "rear": []}
+    for line in of.lines:
+        axle = line.installed.axle
+        if vehicle and axle and line.leaves_gearbox and line.installed.drives in reach:
+            x = line.installed.layout.points[:, 0]
+            length = float(x[-1] - x[0]) - axle.pinion_joint[0]
+            reach[line.installed.drives].append((line, length))
+    if vehicle and all(len(some) == 1 for some in reach.values()) and vehicle.rear_group == 1:
+        (front, ahead), (rear, behind) = reach["front"][0], reach["rear"][0]
+        value = (ahead + behind) / vehicle.wheelbase
+        yield ComparedValue(
+            ("vehicle.wheelbase",), value, (f"{front.at}.points", f"{rear.at}.points")
+        )
+
+
 def compare_line_reach(of: RelationContext) -> ComparedValues:
     """Length from joint 1 to the axle over the wheelbase."""
     for line in of.lines:
@@ -286,6 +351,21 @@ def compare_spring_progression(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, second / first)
 
 
+def compare_spring_steps(of: RelationContext) -> ComparedValues:
+    """Rate of each part of a spring's table over that of the part before."""
+    for line in of.lines:
+        at, suspension = line.suspension or ("", None)
+        if suspension and not _has_helper(of, at):
+            load, travel = suspension.spring.load, suspension.spring.deflection
+            rates = [
+                ratio(b - a, y - x)
+                for (a, b), (x, y) in zip(pairwise(load), pairwise(travel), strict=True)
+            ]
+            for k, (first, second) in enumerate(pairwise(rates), 2):
+                keys = f"{at}.spring.load[{k}]", f"{at}.spring.load", f"{at}.spring"
+                yield ComparedValue(keys, ratio(second, first), (f"{at}.spring.deflection",))
+
+
 def compare_helper_contact(of: RelationContext) -> ComparedValues:
     """Deflection at gvw over that at which the second rate begins."""
     for line in of.lines:
@@ -312,8 +392,8 @@ def compare_leaf_length(of: RelationContext) -> ComparedValues:
         key = f"{at}.linkage.front_half_length"
         found = locate_yaml_address(of.application, key)
         if suspension and found and "front_half_length" in found.key:
-            # The equivalent link has three quarters of it: SAE J788 and METHOD, section 6.
-            yield ComparedValue((key,), ratio(suspension.linkage.radius, 0.75 * mm), (LADEN,))
+            half = ratio(suspension.linkage.radius, LINK_OF_HALF_LEAF * mm)
+            yield ComparedValue((key,), half, (LADEN,))
 
 
 def compare_link_length(of: RelationContext) -> ComparedValues:
@@ -349,6 +429,20 @@ def compare_pitch_rate(of: RelationContext) -> ComparedValues:
             yield ComparedValue((f"{at}.linkage.pitch_rate",), value, against)
 
 
+def compare_pitch_for_link(of: RelationContext) -> ComparedValues:
+    """Pitch of a rear axle on its link over that of a rigid arm of the link's length.
+
+    0 for links that keep the pitch; else unequal halves of a leaf, or rods that converge.
+    """
+    for line in of.lines:
+        at, suspension = line.suspension or ("", None)
+        if suspension and line.installed.drives == "rear" and suspension.linkage.pitch_rate:
+            link = suspension.linkage
+            value = abs(link.pitch_rate) * (link.radius or nan)
+            against = (f"{at}.linkage.front_half_length", f"{at}.linkage.radius")
+            yield ComparedValue((f"{at}.linkage.pitch_rate",), value, against)
+
+
 def compare_axle_windup(of: RelationContext) -> ComparedValues:
     """Pitch of the axle under its largest torque, deg."""
     for line in of.lines:
@@ -362,6 +456,24 @@ def compare_axle_windup(of: RelationContext) -> ComparedValues:
         value = ratio(torque, suspension.windup_stiffness) / deg
         against = ("engine.torque", f"{line.axle}.ratio")
         yield ComparedValue((f"{at}.windup_stiffness",), value, against)
+
+
+def compare_leaf_windup(of: RelationContext) -> ComparedValues:
+    """Wind-up stiffness of an axle over that of its leaf springs as pairs of cantilevers.
+
+    Halves of length a with half of a spring's last rate k each: K = k a^2 for each spring.
+    """
+    for line in of.lines:
+        at, suspension = line.suspension or ("", None)
+        key = f"{at}.linkage.front_half_length"
+        found = locate_yaml_address(of.application, key)
+        if suspension and found and "front_half_length" in found.key:
+            spring, half = suspension.spring, (suspension.linkage.radius or nan) / LINK_OF_HALF_LEAF
+            rate = ratio(
+                spring.load[-1] - spring.load[-2], spring.deflection[-1] - spring.deflection[-2]
+            )
+            value = ratio(suspension.windup_stiffness, suspension.springs_per_axle * rate * half**2)
+            yield ComparedValue((f"{at}.windup_stiffness",), value, (f"{at}.spring", key))
 
 
 def compare_brake_hold(of: RelationContext) -> ComparedValues:

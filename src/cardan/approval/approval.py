@@ -16,6 +16,7 @@ from cardan.approval.coverage import (
     verdict_of,
 )
 from cardan.approval.data_provenance import CatalogueDatum, catalogue_data_of
+from cardan.approval.deciding_inputs import DecidingInputs, deciding_inputs
 from cardan.approval.driveline_study import DrivelineStudy
 from cardan.approval.notes import approval_notes
 from cardan.approval.registry import study_registrations
@@ -91,6 +92,11 @@ class Approval:
     def state_kinds_not_given(self) -> tuple[str, ...]:
         """Kinds of state that the profile expects of a vehicle, and that the file lacks."""
         return missing_state_kinds(self.application)
+
+    @cached_property
+    def deciding_inputs(self) -> DecidingInputs | None:
+        """Given numbers that the check nearest to its maximum rests on; None if a check fails."""
+        return deciding_inputs(self.line_responses, self.checks)
 
     @property
     def smallest_margin(self) -> float | None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from cardan.application.driveline_relations import VEHICLE_PROFILES
 from cardan.approval.driveline_study import EvaluatedLimit, evaluate_limits
 from cardan.approval.limit_conflicts import conflicting_limits
 from cardan.checks.line_response import LineResponse, deflected_line
@@ -37,6 +38,9 @@ MAX_LINEAR_RUBBER_TRAVEL_M = 10 * mm
 
 STRENGTH_QUANTITIES = frozenset({"joint_torque_utilisation", "tube_shear_utilisation"})
 """What a wrong torque makes pass first."""
+
+CRITICAL_SPEED_QUANTITIES = frozenset({"critical_speed_ratio", "half_critical_band"})
+"""What a wrong length makes pass first: critical speed falls with its square."""
 
 ANGLE_QUANTITIES = frozenset({
     "joint_angle", "joint_angle_min", "end_angle_difference", "odd_joint_angle",
@@ -382,9 +386,10 @@ def _missing_obstacles(application: Application) -> Iterator[TranslatableMessage
 
 
 def _unconfirmed_demand(application: Application) -> Iterator[TranslatableMessage]:
-    """Yield that strength rests on a torque, and speed limits on a speed, that nothing confirms.
+    """Yield torques, speeds and lengths on which strength and speed limits rest unconfirmed.
 
-    With an engine and gearbox they are compared (`cardan.application.plausibility`).
+    With an engine and gearbox, its power and a wheelbase they are compared
+    (`cardan.application.plausibility`).
     """
     limited = {limit.quantity for limit in application.limits}
     given = {"torque_Nm": application.torque, "speed_rpm": application.speed}
@@ -393,6 +398,18 @@ def _unconfirmed_demand(application: Application) -> Iterator[TranslatableMessag
         yield translatable_message(
             "nothing in the file confirms {keys}: check value and unit; engine and gearbox would",
             keys=", ".join(alone),
+        )
+    engine = application.engine
+    if engine and engine.power is None and limited & STRENGTH_QUANTITIES:
+        yield translatable_message(
+            "nothing in the file confirms engine.torque_Nm: check its unit; engine.power_kW would"
+        )
+    road = application.profile.partition(",")[0] in VEHICLE_PROFILES
+    typed = any(i.line.has_lengths for i in application.lines)
+    if road and typed and application.vehicle is None and limited & CRITICAL_SPEED_QUANTITIES:
+        yield translatable_message(
+            "nothing in the file confirms the lengths of the shafts: check them; "
+            "vehicle.wheelbase_mm would"
         )
 
 

@@ -126,9 +126,15 @@ def read_application(
             raise DesignError(msg) from None
     if limits:
         application = with_limit_profile(application, limits)
-    for warning in application.warnings:
-        echo_to_stderr(_warning_text(warning, str(file)))
+    echo_application_warnings(application, file)
     return application
+
+
+def echo_application_warnings(application: Any, file: Path | None = None) -> None:
+    """Print what looks wrong in an application to standard error, by its file's name."""
+    name = str(file or (application.written.name if application.written else "application"))
+    for warning in application.warnings:
+        echo_to_stderr(_warning_text(warning, name))
 
 
 def _warning_text(warning: Any, file: str) -> str:

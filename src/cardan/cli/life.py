@@ -15,6 +15,7 @@ from cardan.cli.common import (
     OUTPUT_PATH,
     QUIET_OPTION,
     ReportPaths,
+    echo_application_warnings,
     echo_lines,
     progress_line,
     read_application,
@@ -306,6 +307,9 @@ def _run_campaign(
     written = read_campaign(path, allow_outside=allow_outside)
     validate_output_paths(*written.referenced_files, **outputs)
     check_tables(tables, written.options)
+    for name in ("application", "changed"):
+        if written.options[name] is not None:
+            echo_application_warnings(written.options[name])
     with progress_line(say("reading"), quiet=quiet) as line:
         found = analyse_campaign(
             written, draw=bool(reports),

@@ -9,6 +9,7 @@ import numpy as np
 
 from cardan.approval.applied_adjustments import AppliedAdjustment
 from cardan.approval.approval import Approval
+from cardan.approval.deciding_inputs import DecidingInput
 from cardan.approval.study import DRIVELINE_STUDY_NAME
 from cardan.checks.line_response import LineResponse
 from cardan.core.arrays import FloatArray
@@ -469,6 +470,7 @@ def _graver_items(screen: _Screen) -> Iterator[str]:
             for kind in of.state_kinds_not_given
         )
         yield say("states not given, and not evaluated: {states}", states=", ".join(names))
+    yield from _deciding_input_items(screen)
     yield from _assumed_input_items(screen, worse=False)
 
 
@@ -512,6 +514,30 @@ def _assumed_input_items(screen: _Screen, *, worse: bool) -> Iterator[str]:
             else "{criteria}: a better verdict is possible with {inputs}"
         )
         yield say(text, criteria="; ".join(names), inputs=inputs)
+
+
+def _deciding_input_items(screen: _Screen) -> Iterator[str]:
+    """Yield the given values by which the criterion nearest to its maximum is exceeded first."""
+    say = screen.say
+    if found := screen.approval.deciding_inputs:
+        values = (_deciding_input_text(one, say) for one in found.inputs)
+        yield say(
+            "check these values: {criterion} is exceeded from about {values}",
+            criterion=screen.name_with_line(found.check),
+            values=", ".join(values),
+        )
+
+
+def _deciding_input_text(one: DecidingInput, say: Translator) -> str:
+    """Return a given value and where it decides, in three digits if those tell them apart."""
+    given = say.compact_number(one.given)
+    ends = (say.compact_number(float(f"{one.fails_at:.{digits}g}")) for digits in range(3, 7))
+    return say(
+        "{key} {value} ({given} given)",
+        key=one.key.removeprefix("driveline."),  # a file of one line has no other
+        value=next((text for text in ends if text != given), given),
+        given=given,
+    )
 
 
 def _data_item(screen: _Screen) -> str:

@@ -317,6 +317,40 @@ OTHERS = [
                                "source": "own"}]}, "looser_limits")),
     (MEDIUM, Slip({"limits": loosened("medium-truck", joint_angle={"normal": 6})},
                   "limits_without_maximum")),
+    # --- one of two strokes doubled, or the whole stroke each way on a thin spline
+    (TRUCK, Slip({f"{SHAFT2}.spline.plunge_mm": 120}, "spline_balance")),
+    ("van", Slip({f"{SHAFT1}.spline.draw_mm": 90}, "stroke_over_diameter")),
+    # --- a rate or a rating of another order of magnitude
+    (BUS, Slip({"suspension.linkage.pitch_rate_deg_mm": 0.001}, "pitch_for_link")),
+    ("van", Slip({f"{LINK}.pitch_rate_deg_mm": 0.0004}, "pitch_for_link")),
+    (BUS, Slip({"gearbox.retarder_torque_Nm": 140}, "retarder_per_tonne")),
+    (PICK_UP, Slip({f"{MAIN}.joints.1.n_beta_max_deg_min": 600000}, "speed_angle_product")),
+    (BUS, Slip({"suspension.spring.load_N": [0, 2200, 45000, 80000]}, "spring_steps")),
+    (TRUCK, Slip({"suspension.windup_stiffness_kNm_deg": 61}, "leaf_windup")),
+    (TANDEM, Slip({"drivelines.inter-axle.output_joint.above_mm": 1050}, "output_height")),
+    # --- the duty cycle of another use; a digit missing in a share of the life
+    (PICK_UP, Slip({"duty": "long-haul"}, "named_duty")),
+    ("mtv-6x6", Slip({"duty": "distribution"}, "named_duty")),
+    (INDUSTRIAL, Slip({"duty.1.torque_Nm": 230}, "duty_powers")),
+    (REFUSE, Slip({"duty.1.speed_rpm": 70}, "duty_powers")),
+    # --- obstacles: on the frame, where axles are; one end elsewhere
+    (TRUCK, Slip({"obstacles.0.travel_share": 0}, "fixed_member_height")),
+    (REFUSE, Slip({"obstacles.0.travel_share": 0.1}, "obstacle_share")),
+    (REFUSE, Slip({"obstacles.0.end_mm": [5250, 500, -277]}, "cross_member_skew")),
+    (TRUCK, Slip({"obstacles.0.start_mm": [2100, -500, -530],
+                  "obstacles.0.end_mm": [2100, 500, -530]}, "obstacle_distance")),
+    # --- digits swapped
+    (PICK_UP, Slip({"vehicle.wheelbase_mm": 2300}, "transfer_case_reach")),
+    (REFUSE, Slip({"axle.ratio": 8.48}, "governed_road_speed")),
+    (REFUSE, Slip({f"{EMPTY}.cg_height_mm": 2150}, "centre_rise")),
+    ("mtv-6x6", Slip({"drivelines.main.torque_share": 0.5}, "inter_axle_shares")),
+    # --- limits of angles alone for a machine with a duty; shocks left out there too
+    (INDUSTRIAL, Slip({"limits": "protractor"}, "unused_inputs")),
+    (INDUSTRIAL, Slip({"shock_factor": None}, "shock_factor")),
+    # --- the through-drive's pinion with the values of the plain one, or the other sign
+    (TANDEM, Slip({f"{MAIN}.axle.pinion.ahead_mm": 380, f"{MAIN}.axle.pinion.above_mm": 50},
+                  "through_shaft")),
+    (TANDEM, Slip({"drivelines.inter-axle.output_joint.above_mm": -105}, "through_shaft")),
 ]  # fmt: skip
 """Slips on other vehicles and on a machine."""
 
@@ -411,6 +445,16 @@ def test_torque_and_speed_that_nothing_confirms_are_named(example, keys):
     assert len(named) == bool(keys)
 
 
+@pytest.mark.parametrize(
+    ("example", "told"), [(SMALL, "the lengths of the shafts"), ("mtv-6x6", "engine.torque_Nm")]
+)
+def test_lengths_and_engine_torque_that_nothing_confirms_are_named(example, told):
+    """A length of 1050 for 1500 contradicts nothing where no wheelbase is given."""
+    for other, expected in ((example, True), ("van", False)):
+        notes = [str(n) for n in notes_for(loads(with_slip(other, Slip({}, ""))), ())]
+        assert any(f"nothing in the file confirms {told}" in n for n in notes) is expected
+
+
 @pytest.mark.parametrize("example", ["van", CHAIN])
 def test_limits_of_a_command_are_compared_as_those_of_the_file(example, tmp_path):
     own = tmp_path / "own.yaml"
@@ -460,7 +504,7 @@ def test_warning_names_the_values_it_compares_with_their_lines():
     assert warning.key == "driveline.shafts[1].spline.draw_mm"
     assert (warning.value, warning.line) == ("200", line)
     assert warning.against_text == f"driveline.shafts[1].spline.plunge_mm 5 (line {line})"
-    assert warning.source == "assumed"
+    assert warning.source.endswith("range assumed")
     assert "(got 200); compared with driveline.shafts[1].spline.plunge_mm 5" in (
         warning.format_with_location("van.yaml")
     )
