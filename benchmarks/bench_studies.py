@@ -2,9 +2,10 @@
 
     python benchmarks/bench_studies.py
 
-Every limit in seven states at all operating points, bearings on rubber; and the limits of its
-geometry alone. Seconds of a core are the processor's, so that other work does not count; of
-several they are the clock's, one worker and two in turn.
+Every limit in seven states at all operating points, bearings on rubber; the limits of its
+geometry alone; and the yield alone, which stops at what fails without rubber. Seconds of a core
+are the processor's, so that other work does not count; of several they are the clock's, one worker
+and two in turn.
 """
 
 import os
@@ -36,6 +37,7 @@ GEOMETRY = (
     "torsional_acceleration", "inertia_coast_acceleration", "inertia_drive_acceleration",
     "joint_angle", "joint_angle_min", "angle_for_speed", "clearance",
 )  # fmt: skip
+CORRECTED = {"bearing_height_mm[2]": {"choice": [18]}, "shim_deg": {"choice": [1.0]}}
 SET = {"bearing_height_mm[2]": {"choice": [15]}, "shim_deg": {"choice": [0.5]}}
 COUNT, SHARD, SHARDS, TURNS, MILLION = 512, 256, 8, 3, 1_000_000
 
@@ -64,6 +66,14 @@ def main() -> None:
             bench.evaluate_range(0, count)
             rate = count / (process_time() - begun)
             print(f"| variants a second a core, {what} | 10000 | {rate:.0f} |", flush=True)
+    with single_threaded_blas():
+        for what, chosen in (("as it is", {}), ("corrected", CORRECTED)):
+            whole, stopped, alone = yield_alone(truck, chosen, count // 2)
+            print(
+                f"| every limit over the yield alone, {what}: {100 * stopped:.0f} % fail without "
+                f"rubber | 8 | {whole / alone:.1f} |",
+                flush=True,
+            )
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"| memory at its peak, {count} variants | bounded | {peak:.0f} MiB |")
 
@@ -124,6 +134,20 @@ def main() -> None:
     if find_spec("distributed"):
         with cluster() as address, open_executor(address, 2) as pool:
             told("workers of a Dask cluster", "0.8", pool)
+
+
+def yield_alone(truck, chosen, count: int) -> tuple[float, float, float]:
+    """Return seconds of every limit, the share that stops before rubber, and seconds of that."""
+    seconds, found = [], None
+    for only in (False, True):
+        asked = build_variants(chosen, TOLERANCES, ask=VariantOutputs(yield_only=only))
+        bench = VariantEvaluator.from_application(truck, asked)
+        bench.evaluate_range(0, 64)  # warm
+        begun = process_time()
+        was, found = found, bench.evaluate_range(0, count)
+        seconds.append(process_time() - begun)
+        assert was is None or was.verdicts == found.verdicts
+    return seconds[0], found.results.stopped.mean(), seconds[1]
 
 
 def cost(job: bytes, start: int, stop: int) -> float:

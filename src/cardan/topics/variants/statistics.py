@@ -61,12 +61,13 @@ def requested_statistics(
     drawn = bench.sampling_plan
     found: dict[str, StreamingStatistic] = {
         "counts": VerdictCounts(),
-        "worst": WorstVariants(max_count=ask.worst),
+        "worst": WorstVariants(max_count=0 if ask.yield_only else ask.worst),
     }
-    found["values"] = QuantileSketch()
-    found["first"] = FirstVariantSamples()
+    if not ask.yield_only:
+        found["values"] = QuantileSketch()
+        found["first"] = FirstVariantSamples()
     if any(f.tolerance for f in drawn.factors):
-        found["tighter"] = ToleranceTightening(sampling_plan=drawn)
+        found["tighter"] = ToleranceTightening(sampling_plan=drawn, yield_only=ask.yield_only)
     if drawn.method == "saltelli":
         found["sobol"] = SobolSamplePairs(factors=len(drawn.factors))
     if ask.foretold:
@@ -100,7 +101,8 @@ class VerdictCounts:
     """How many variants come to what; of those drawn by themselves.
 
     Of each limit besides: to which grade (pass, warn, fail, no answer), how often it is the
-    only one to fail, and how often its margin is the smallest.
+    only one to fail, and how often its margin is the smallest. `stopped` are those that a cheap
+    limit failed, of which other limits know nothing.
     """
 
     def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
@@ -122,6 +124,7 @@ class VerdictCounts:
             "first": least,
             "refused": np.array(a.infeasible[own].sum()),
             "bounded": np.array(rows.shown_by_bounds_alone[own].sum()),
+            "stopped": np.array(a.stopped[own].sum()),
         }
 
     def merge(self, one: StatisticState, other: StatisticState) -> StatisticState:
@@ -308,16 +311,19 @@ class ToleranceTightening:
     """
 
     sampling_plan: SamplingPlan
+    yield_only: bool = False
+    """Whether limits have no column: not every variant was evaluated for them."""
 
     def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the sums of a shard."""
         del start
         own = rows.independent
+        limits = 0 if self.yield_only else len(rows.limits)
         weight = halved_tolerance_weights(self.sampling_plan, rows.unit_points[own])
         passes = np.concatenate(
             [
                 (rows.grades <= WORST_ACCEPTABLE_VERDICT_INDEX)[None],
-                rows.results.grades != CHECK_GRADES.index("fail"),
+                rows.results.grades[:limits] != CHECK_GRADES.index("fail"),
             ]
         )[:, own].astype(float)
         square = weight**2

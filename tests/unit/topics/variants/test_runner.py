@@ -1143,6 +1143,9 @@ SHAFT = "driveline.shafts[1].length_mm"
          '"driveline.slopes.side_deg[1]"]]',
          "30:3: study.ask: maps: both axes are the same number (got driveline.slopes.side_deg[*], "
          "driveline.slopes.side_deg[1]); name two"),
+        ("worst: 2", "yield_only: true",
+         "30:46: study.ask.yield_only: reports nothing but the yield; remove quantiles, maps, "
+         "rows"),
         ("worst: 2", "worst: 0",
          "study.ask.worst: must be a whole number from 1 to 1000"),
         ("rows: float32", "rows: float16",
@@ -1261,6 +1264,25 @@ def test_study_command_prints_one_screen(tmp_path):
         ) == set()
 
 
+def test_study_of_the_yield_alone_has_no_tables_of_limits(tmp_path):
+    text = STUDY[: STUDY.index("  ask:")]
+    asked(tmp_path, "--json", tmp_path / "whole.json", study_text=text)
+    text += "  ask: {yield_only: true}\n"
+    for lang in LANGUAGE_CODES:
+        files = "--json", tmp_path / "a.json", "--html", tmp_path / "a.html"
+        for option in ((), ("--all",)):
+            run = asked(tmp_path, "--lang", lang, *option, *files, study_text=text)
+            assert run.exit_code == 0, run.output
+            said = " ".join(run.stdout.split())
+            assert ("Limits and variants have no table." in said) == (lang == "en")
+    whole, found = (json.loads((tmp_path / f"{n}.json").read_text()) for n in ("whole", "a"))
+    assert found["shares"] == whole["shares"]
+    assert found["yield"].pop("not_evaluated_on_rubber") == 0
+    assert found["yield"] == whole["yield"]
+    assert found["halved_tolerances"] == whole["halved_tolerances"]
+    assert found["limits"] == found["worst"] == []
+
+
 def test_stopped_study_says_so_at_the_top_of_its_screen():
     study = reader.loads(LINE + STUDY)
     found = run_study(study, study.variants, count=60)
@@ -1350,6 +1372,11 @@ def test_python_api_study_matches_file_study(tmp_path):
     assert found.to_dict()["variants"] == 90
     assert all("<svg" in f.svg for f in found.figures())
     assert "<svg" in found._repr_html_()
+    alone = cardan.study(app, {"shim_deg": [-1, 1]}, n=16, yield_only=True)
+    assert alone.rows is None
+    assert alone.yield_ == cardan.study(app, {"shim_deg": [-1, 1]}, n=16).yield_
+    with pytest.raises(ValueError, match="yield_only reports nothing else: remove quantiles"):
+        cardan.study(app, {"shim_deg": [-1, 1]}, n=16, yield_only=True, quantiles=(0.5,))
     narrow = cardan.study(app, {"shim_deg": [-1, 1]}, n=16, limits=("joint_angle",))
     assert {m.quantity for _, m in narrow.limits} == {"joint_angle"}
     with pytest.raises(CardanError, match="not kept"):
