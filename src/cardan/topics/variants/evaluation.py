@@ -597,7 +597,8 @@ class VariantEvaluator:
             if mine:
                 parts = tuple(moves[self.sampling_plan.names[k]] for k in mine)
                 worth = np.array([ADJUSTMENTS[p.adjustment_key].unit_value for p in parts])
-                response = response_with_adjustments(response, parts, inputs[:, mine] * worth)
+                amounts = inputs[:, mine] * worth
+                response = response_with_adjustments(response, parts, amounts, shared=True)
             places = self._places[response.line.name]
             found.append(_answers(response, self._questions(response), places, count))
         return replace(

@@ -254,3 +254,33 @@ def test_yield_alone_is_that_of_all_limits_and_stops_before_rubber(monkeypatch):
     np.testing.assert_array_equal(
         found.results.grades[np.logical_not(rubber)], every.results.grades[np.logical_not(rubber)]
     )
+
+
+@pytest.mark.parametrize("varied", ["phase_deg[2]", "bearing_height_mm[1]"])
+def test_batch_that_varies_one_thing_gives_values_of_batch_that_varies_all(varied):
+    every = dict.fromkeys(("phase_deg[*]", "bearing_height_mm[*]", "shim_deg"), {"normal": 1.0})
+    bench = VariantEvaluator.from_application(reader.read(TRUCK), build_variants({}, every))
+    inputs = np.zeros((5, len(bench.sampling_plan.names)))
+    inputs[:, bench.sampling_plan.names.index(varied)] = [-3.0, -1.0, 0.0, 2.0, 4.0]
+    found, beside = bench.evaluate(inputs), bench.evaluate(np.vstack([inputs, inputs[:1] + 0.5]))
+    for name in ("values", "margins", "left"):
+        one, other = getattr(found, name), getattr(beside, name)[:, :-1]
+        largest = np.nanmax(np.abs(other), axis=1, keepdims=True, initial=1e-300)
+        np.testing.assert_allclose(one / largest, other / largest, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(found.grades, beside.grades[:, :-1])
+    np.testing.assert_array_equal(found.bounded, beside.bounded[:, :-1])
+
+
+def test_layout_is_computed_once_if_phases_alone_vary():
+    response = approve_driveline(reader.read(TRUCK)).line_responses[0]
+    name = response.line.name
+    turned, lifted = (
+        PermittedAdjustment(adjustment_key=k, part=1, low=-1, high=1, line=name)
+        for k in ("phase", "bearing_height")
+    )
+    amounts = np.array([[0.01, 0.0], [0.02, 0.0], [0.03, 0.0]])
+    found = response_with_adjustments(response, (turned, lifted), amounts, shared=True)
+    assert found.joint_angles.shape[0] == 1
+    assert LINE_QUANTITIES["torsional_acceleration"].values(found).shape[0] == 3
+    apart = response_with_adjustments(response, (turned, lifted), amounts)
+    assert apart.joint_angles.shape[0] == 3
