@@ -12,7 +12,7 @@ from concurrent.futures import (
     Future,
     ProcessPoolExecutor,
 )
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from multiprocessing import get_context, parent_process
 from pathlib import Path
@@ -20,9 +20,11 @@ from tempfile import NamedTemporaryFile, TemporaryDirectory
 from threading import Thread
 from types import TracebackType
 from typing import Any
+from uuid import uuid4
 
 from cardan.core.errors import DesignError, MissingDependencyError
 from cardan.core.interrupts import ignore_interrupts, interrupts_held_back
+from cardan.topics.variants.shard_job import forget_shard_job, hold_shard_job
 
 SCHEDULER_TIMEOUT_S = 30
 """s: a cluster whose scheduler has not answered by then is given up."""
@@ -127,14 +129,31 @@ class DaskExecutor(Executor):
     def __init__(self, client: Any) -> None:
         self._client, self._executor = client, client.get_executor()
 
-    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Hand a call to whoever is free."""
+    @contextmanager
+    def held_by_workers(self, job: bytes) -> Generator[str, None, None]:
+        """Send a job once to each worker, those that come later too; give its name there."""
+        name = f"cardan-{uuid4().hex}"  # another study of the same job ends when it ends
+        self._client.register_plugin(_job_holder(name, job), name=name)
         try:
-            return self._executor.submit(fn, *args, **kwargs)
+            yield name
+        finally:
+            if not self.connection_lost:
+                with suppress(OSError, TimeoutError, RuntimeError):  # it may be lost just now
+                    self._client.unregister_worker_plugin(name)
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Hand a call to whoever is free; `result_of` its future is what it returned."""
+        try:
+            return self._executor.submit(_call_to_bytes, fn, args, kwargs)
         except Exception as error:
             if self.connection_lost:
                 raise CancelledError from error
             raise
+
+    @staticmethod
+    def result_of(future: Future[bytes]) -> Any:
+        """Return what a call returned."""
+        return pickle.loads(future.result())  # our own, from a worker of ours
 
     @property
     def connection_lost(self) -> bool:
@@ -148,6 +167,30 @@ class DaskExecutor(Executor):
             return sum(self._client.ncores().values())
         except (OSError, TimeoutError, RuntimeError, AttributeError):
             return 1  # its client is closed, or closing: the shards it loses tell that
+
+
+def _call_to_bytes(fn: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:
+    """Call a function on a worker, and return what it returned as bytes.
+
+    Dask sends each array of a result by itself: dozens a shard, which cost more than their bytes.
+    """
+    return pickle.dumps(fn(*args, **kwargs), protocol=pickle.HIGHEST_PROTOCOL)
+
+
+def _job_holder(name: str, job: bytes) -> Any:
+    """Return the plugin by which workers hold a job."""
+    dask: Any = import_module("distributed")
+
+    class JobHolder(dask.WorkerPlugin):
+        def setup(self, worker: Any) -> None:
+            del worker
+            hold_shard_job(name, job)
+
+        def teardown(self, worker: Any) -> None:
+            del worker
+            forget_shard_job(name)
+
+    return JobHolder()
 
 
 class ProcessExecutor(ProcessPoolExecutor):

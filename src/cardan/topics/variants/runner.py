@@ -1,8 +1,9 @@
 """A study of many variants, shard by shard: in threads, processes or on a cluster.
 
 A shard is a stretch of variants. Whoever asks it draws the same, and what is told of it is
-joined in the order of the shards, so the answer is the same to the last bit however it was
-computed: at once, by many, or in pieces after the computer went down.
+joined in a fixed order, so the answer is the same to the last bit however it was
+computed: at once, by many, or in pieces after the computer went down. A cluster is handed several
+shards at a time, as many as take it `MAX_TASK_S`, and merges them where they were computed.
 """
 
 from collections.abc import Callable, Generator, Mapping
@@ -13,12 +14,13 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from importlib import import_module
 from os import cpu_count
 from pathlib import Path
 from threading import Event
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -39,15 +41,19 @@ from cardan.topics.variants.sampling import SamplingMethod
 from cardan.topics.variants.shard_job import (
     ShardJob,
     ShardResult,
-    compute_shard,
+    compute_shards,
     file_stamps,
     serialise_shard_job,
 )
 from cardan.topics.variants.shard_store import ShardStore
+from cardan.topics.variants.shard_tree import (
+    ShardNode,
+    merged_statistics,
+    next_node,
+    shards_of,
+)
 from cardan.topics.variants.statistics import (
     StatisticState,
-    StreamingStatistic,
-    merge_states,
     requested_statistics,
 )
 from cardan.topics.variants.study_result import (
@@ -69,7 +75,11 @@ WORKER_TIMEOUT_S = 10.0
 """Seconds without a shard after which it is asked whether a cluster has workers at all."""
 
 QUEUE_DEPTH_PER_WORKER = 3
-"""Shards handed out for each worker: what waits costs memory."""
+"""Tasks handed out for each worker: what waits costs memory."""
+
+MAX_TASK_S = 30.0
+"""Seconds that shards handed to a cluster's worker at once take at most; half of that at least,
+if there are enough. A lost worker costs as much."""
 
 
 def run_study(
@@ -128,7 +138,7 @@ def run_study(
     )
     spans = [(k, min(k + size, count)) for k in range(0, count, size)]
     store = ShardStore.open(folder, job, size, count=count, resume=resume) if folder else None
-    found: dict[int, ShardResult] = {}
+    found: dict[ShardNode, ShardResult] = {}
     done = {k for k, span in enumerate(spans) if store and store.contains(k, span)}
     damaged = sum(store.is_damaged(k) for k in range(len(spans)) if k not in done) if store else 0
     before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
@@ -141,17 +151,18 @@ def run_study(
             damaged=damaged,
         ))  # fmt: skip
 
-    def keep(k: int, got: ShardResult) -> None:
+    def keep(node: ShardNode, got: ShardResult) -> None:
         nonlocal finished, stamps
         if stamps != (stamps := file_stamps(job)) and (other := job.changed_inputs):
             msg = f"{other} changed while the study ran: begin it anew"
             raise DesignError(msg)
+        shards = shards_of(node)
         if store:
-            store.save(k, spans[k], got, job)
+            store.save(shards[0], spans[shards[0]], got, job)
         else:
-            found[k] = got
-        done.add(k)
-        finished += spans[k][1] - spans[k][0]
+            found[node] = got
+        done.update(shards)
+        finished += spans[shards[-1]][1] - spans[shards[0]][0]
         now(finished)
 
     now(before)
@@ -160,13 +171,17 @@ def run_study(
     try:
         _run_shards(
             job, {k: spans[k] for k in todo}, keep, executor=executor, workers=workers,
+            merged=store is None and not job.row_precision,
             idle=lambda: now(finished, idle=True),
         )  # fmt: skip
     except KeyboardInterrupt:
         stopped = True
         if not done:
             raise
-    told = _merged_statistics(bench, variants, store, found, sorted(done))
+    each = {(0, k): store.load(k) for k in sorted(done)} if store else (
+        {node: r.statistics for node, r in found.items()}
+    )  # fmt: skip
+    told = dict(merged_statistics(requested_statistics(bench, variants.ask), each))
     if asked.search and not stopped:
         try:
             told["pareto"] = evolve_pareto_front(
@@ -189,7 +204,7 @@ def run_study(
         variants=variants,
         requested_count=count,
         statistics=told,
-        rows=_rows_in_memory(bench, found, dict(enumerate(spans))),
+        rows=_rows_in_memory(bench, found, spans),
         rare_failures=tuple(r for r in hardly if not r.is_negligible),
         negligible_failures=tuple(r for r in hardly if r.is_negligible),
         surrogate_yield=None
@@ -213,39 +228,61 @@ def run_study(
 def _run_shards(
     job: ShardJob,
     spans: Mapping[int, tuple[int, int]],
-    keep: Callable[[int, ShardResult], None],
+    keep: Callable[[ShardNode, ShardResult], None],
     *,
     executor: Executor | None,
     workers: int | None,
+    merged: bool,
     idle: Callable[[], None],
 ) -> None:
-    """Have shards asked, and keep each as it comes; say so while nobody is there to ask."""
-    stop = Event()
+    """Have shards asked, and keep each as it comes; say so while nobody is there to ask.
+
+    Workers of a cluster return them `merged` where nobody needs each.
+    """
+    stop, cluster = Event(), executor if isinstance(executor, DaskExecutor) else None
 
     def there() -> int:
-        return executor.worker_threads if isinstance(executor, DaskExecutor) else cpu_count() or 1
+        return cluster.worker_threads if cluster else cpu_count() or 1
 
-    with _open_workers(executor, workers or there()) as (of, own):
-        parcel = b"" if own else serialise_shard_job(job)
-        pending: dict[Future[ShardResult], int] = {}
-        waiting = iter(spans.items())
+    with _open_workers(executor, workers or there()) as (of, own), ExitStack() as stack:
+        parcel: bytes | str = b"" if own else serialise_shard_job(job)
+        if cluster and spans:
+            assert isinstance(parcel, bytes)
+            parcel = stack.enter_context(cluster.held_by_workers(parcel))
+        pending: dict[Future[Any], ShardNode] = {}
+        todo, seconds = dict.fromkeys(spans), float("nan")
+
+        def submit(node: ShardNode) -> Future[Any]:
+            some = [spans[k] for k in shards_of(node)]
+            if own:
+                return of.submit(job.run_shard, *some[0], stop)
+            return of.submit(compute_shards, parcel, some, merged=merged)
+
         try:
             while True:
                 most = max(there() if workers is None else workers, 1) * QUEUE_DEPTH_PER_WORKER
-                while len(pending) < most and (one := next(waiting, None)):
-                    k, span = one
-                    pending[
-                        of.submit(job.run_shard, *span, stop)
-                        if own
-                        else of.submit(compute_shard, parcel, *span)
-                    ] = k
+                while len(pending) < most and todo:
+                    # Until a shard's time is known one at a time; at last as many for everybody.
+                    many = min(MAX_TASK_S / seconds, len(todo) / most) if seconds > 0 else 1
+                    node = next_node(todo, next(iter(todo)), int(many) if cluster else 1)
+                    for k in shards_of(node):
+                        del todo[k]
+                    pending[submit(node)] = node
                 if not pending:
                     return
                 done = wait(pending, timeout=WORKER_TIMEOUT_S, return_when=FIRST_COMPLETED).done
                 if not done and not there():
                     idle()
                 for future in done:
-                    keep(pending.pop(future), future.result())
+                    node = pending.pop(future)
+                    got = cluster.result_of(future) if cluster else future.result()
+                    if own:
+                        keep(node, got)
+                        continue
+                    seconds = got.seconds / len(shards_of(node))
+                    nodes = [node] if len(got.results) == 1 else [(0, k) for k in shards_of(node)]
+                    for at, one in zip(nodes, got.results, strict=True):
+                        keep(at, one)
         finally:
             stop.set()
             if not (isinstance(executor, DaskExecutor) and executor.connection_lost):
@@ -269,25 +306,6 @@ def _open_workers(
         yield own, True
 
 
-def _merged_statistics(
-    bench: VariantEvaluator,
-    variants: VariantStudy,
-    store: "ShardStore | None",
-    found: Mapping[int, ShardResult],
-    done: list[int],
-) -> dict[str, StatisticState]:
-    """Return what shards come to together, in their order."""
-    every: dict[str, StreamingStatistic] = requested_statistics(bench, variants.ask)
-    total: dict[str, StatisticState] = {}
-    for k in done:
-        states = store.load(k) if store else found[k].statistics
-        total = {
-            n: merge_states(r, [total[n], states[n]]) if total else states[n]
-            for n, r in every.items()
-        }
-    return total
-
-
 def _rarely_failing_limits(bench: VariantEvaluator, counts: StatisticState) -> list[int]:
     """Return the places of the limits that hardly ever failed."""
     fails, answered = counts["grades"][:, 2], counts["grades"][:, :3].sum(-1)
@@ -299,10 +317,10 @@ def _rarely_failing_limits(bench: VariantEvaluator, counts: StatisticState) -> l
 
 
 def _rows_in_memory(
-    bench: VariantEvaluator, found: Mapping[int, ShardResult], spans: Mapping[int, tuple[int, int]]
+    bench: VariantEvaluator, found: Mapping[ShardNode, ShardResult], spans: list[tuple[int, int]]
 ) -> EvaluatedVariants | None:
     """Return each variant, where they were kept in memory."""
-    kept = {k: found[k].rows for k in sorted(found)}
+    kept = {k: found[0, k].rows for _, k in sorted(found) if (0, k) in found}
     parts = [(spans[k], rows) for k, rows in kept.items() if rows is not None]
     if not parts:
         return None

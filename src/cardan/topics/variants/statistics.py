@@ -5,7 +5,7 @@ that they can be kept in a file. Joined in the order of the shards they come to 
 the last bit, whoever computed them and whenever.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
@@ -79,14 +79,6 @@ def requested_statistics(
     for k, pair in enumerate(ask.maps, 1):
         found[f"map{k}"] = YieldMap.for_pair(pair, drawn)
     return found
-
-
-def merge_states(reduction: StreamingStatistic, states: Sequence[StatisticState]) -> StatisticState:
-    """Return the state of several shards in order."""
-    total = states[0]
-    for state in states[1:]:
-        total = reduction.merge(total, state)
-    return total
 
 
 def _added(one: StatisticState, other: StatisticState) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from contextlib import ExitStack, contextmanager
 from threading import Event
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -197,13 +198,20 @@ def test_address_of_no_scheduler_is_rejected_with_reason(tmp_path, monkeypatch, 
     assert "line.yaml" not in error
 
 
+def same(one, other):
+    """Hold two studies against each other, to the last bit."""
+    for name, state in one.statistics.items():
+        for key, value in state.items():
+            np.testing.assert_array_equal(value, other.statistics[name][key], err_msg=name)
+
+
 class Waiting:
     """Stands for a client whose cluster gets a worker when it is told that it has none."""
 
     status = "running"
 
     def __init__(self):
-        self.begin, self.most, self.pending = Event(), 0, 0
+        self.begin, self.most, self.pending, self.plugins = Event(), 0, 0, {}
         self.threads = ThreadPoolExecutor(16)
 
     def ncores(self):
@@ -211,6 +219,13 @@ class Waiting:
 
     def get_executor(self):
         return self
+
+    def register_plugin(self, plugin, *, name):
+        plugin.setup(None)
+        self.plugins[name] = plugin
+
+    def unregister_worker_plugin(self, name):
+        self.plugins.pop(name).teardown(None)
 
     def submit(self, fn, *args):
         self.pending += 1
@@ -246,6 +261,9 @@ def test_cluster_without_workers_is_reported_and_awaited(monkeypatch):
         hear=hear,
     )
     assert found.count == 600
+    assert not client.plugins
+    alone = runner.run_study(application, application.variants, count=600, shard=20)
+    same(found, alone)
     assert any(p.idle and p.done == 0 for p in told)
     assert "no worker" in progress_text(next(p for p in told if p.idle))
     # Nobody there gets as much as one would; four, what keeps four at it.

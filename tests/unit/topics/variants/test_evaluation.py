@@ -258,7 +258,7 @@ def test_yield_alone_is_that_of_all_limits_and_stops_before_rubber(monkeypatch):
 
 @pytest.mark.parametrize("varied", ["phase_deg[2]", "bearing_height_mm[1]"])
 def test_batch_that_varies_one_thing_gives_values_of_batch_that_varies_all(varied):
-    every = dict.fromkeys(("phase_deg[*]", "bearing_height_mm[*]", "shim_deg"), {"normal": 1.0})
+    every = {n: {"normal": 1.0} for n in ("phase_deg[*]", "bearing_height_mm[*]", "shim_deg")}
     bench = VariantEvaluator.from_application(reader.read(TRUCK), build_variants({}, every))
     inputs = np.zeros((5, len(bench.sampling_plan.names)))
     inputs[:, bench.sampling_plan.names.index(varied)] = [-3.0, -1.0, 0.0, 2.0, 4.0]
