@@ -4,7 +4,7 @@ import logging
 import os
 import pickle
 import shutil
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import (
     BrokenExecutor,
     CancelledError,
@@ -16,6 +16,7 @@ from contextlib import contextmanager, suppress
 from importlib import import_module
 from multiprocessing import get_context, parent_process
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from tempfile import NamedTemporaryFile, TemporaryDirectory
 from threading import Thread
 from types import TracebackType
@@ -124,10 +125,15 @@ def _call_within(seconds: float, function: Callable[[], Any]) -> Any:
 
 
 class DaskExecutor(Executor):
-    """A Dask cluster by its client: an executor that knows how many there are to work."""
+    """A Dask cluster by its client: an executor that knows how many there are to work.
+
+    Calls go out many at a time, and come back so: that halves what each costs client and scheduler.
+    """
 
     def __init__(self, client: Any) -> None:
         self._client, self._executor = client, client.get_executor()
+        self._pending: dict[str, tuple[Any, Any]] = {}
+        self._done: SimpleQueue[Any] = SimpleQueue()
 
     @contextmanager
     def held_by_workers(self, job: bytes) -> Generator[str, None, None]:
@@ -142,18 +148,62 @@ class DaskExecutor(Executor):
                     self._client.unregister_worker_plugin(name)
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Hand a call to whoever is free; `result_of` its future is what it returned."""
+        """Hand a call to whoever is free."""
+        return self._executor.submit(fn, *args, **kwargs)
+
+    def submit_all(self, calls: Mapping[Any, Callable[[], Any]]) -> None:
+        """Hand out calls to whoever is free, in one message.
+
+        Raises
+        ------
+        CancelledError
+            If the scheduler is lost; so does `finished`.
+        """
+        with self._cancelled_if_lost():
+            futures = self._client.map(_call_to_bytes, list(calls.values()), pure=False)
+        for key, future in zip(calls, futures, strict=True):
+            self._pending[future.key] = key, future
+            future.add_done_callback(self._done.put)
+
+    def finished(self, timeout: float) -> list[tuple[Any, Any]]:
+        """Return calls that are done, each by its key with what it returned; wait for one."""
+        done: list[Any] = []
+        with suppress(Empty):
+            done.append(self._done.get(timeout=timeout))
+            while True:
+                done.append(self._done.get_nowait())
+        done = [f for f in done if f.key in self._pending]  # not of calls that were cancelled
+        if any(f.status == "cancelled" for f in done):
+            raise CancelledError
+        with self._cancelled_if_lost():
+            each = self._client.gather(done)
+        # Our own, from a worker of ours.
+        return [
+            (self._pending.pop(f.key)[0], pickle.loads(v)) for f, v in zip(done, each, strict=True)
+        ]
+
+    @property
+    def pending_count(self) -> int:
+        """How many calls are out."""
+        return len(self._pending)
+
+    def cancel_all(self) -> None:
+        """Take back what is out."""
+        futures = [future for _, future in self._pending.values()]
+        self._pending.clear()
+        if futures and not self.connection_lost:
+            with suppress(OSError, TimeoutError, RuntimeError):  # it may be lost just now
+                self._client.cancel(futures)
+
+    @contextmanager
+    def _cancelled_if_lost(self) -> Generator[None, None, None]:
+        """Raise what a lost scheduler raises as `CancelledError`."""
         try:
-            return self._executor.submit(_call_to_bytes, fn, args, kwargs)
+            yield
         except Exception as error:
             if self.connection_lost:
                 raise CancelledError from error
             raise
-
-    @staticmethod
-    def result_of(future: Future[bytes]) -> Any:
-        """Return what a call returned."""
-        return pickle.loads(future.result())  # our own, from a worker of ours
 
     @property
     def connection_lost(self) -> bool:
@@ -169,12 +219,12 @@ class DaskExecutor(Executor):
             return 1  # its client is closed, or closing: the shards it loses tell that
 
 
-def _call_to_bytes(fn: Callable[..., Any], args: tuple[Any, ...], kwargs: dict[str, Any]) -> bytes:
-    """Call a function on a worker, and return what it returned as bytes.
+def _call_to_bytes(call: Callable[[], Any]) -> bytes:
+    """Make a call on a worker, and return what it returned as bytes.
 
     Dask sends each array of a result by itself: dozens a shard, which cost more than their bytes.
     """
-    return pickle.dumps(fn(*args, **kwargs), protocol=pickle.HIGHEST_PROTOCOL)
+    return pickle.dumps(call(), protocol=pickle.HIGHEST_PROTOCOL)
 
 
 def _job_holder(name: str, job: bytes) -> Any:

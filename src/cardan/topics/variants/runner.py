@@ -15,12 +15,12 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from importlib import import_module
 from os import cpu_count
 from pathlib import Path
 from threading import Event
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 
@@ -39,6 +39,7 @@ from cardan.topics.variants.pareto import evolve_pareto_front
 from cardan.topics.variants.rare_failure import RareFailureEstimate, estimate_rare_failure
 from cardan.topics.variants.sampling import SamplingMethod
 from cardan.topics.variants.shard_job import (
+    ComputedShards,
     ShardJob,
     ShardResult,
     compute_shards,
@@ -76,6 +77,9 @@ WORKER_TIMEOUT_S = 10.0
 
 QUEUE_DEPTH_PER_WORKER = 3
 """Tasks handed out for each worker: what waits costs memory."""
+
+QUEUE_DEPTH_PER_CLUSTER_WORKER = 8
+"""The same of a cluster, which is handed half of it at a time: the more, the less each costs."""
 
 MAX_TASK_S = 30.0
 """Seconds that shards handed to a cluster's worker at once take at most; half of that at least,
@@ -244,50 +248,76 @@ def _run_shards(
     def there() -> int:
         return cluster.worker_threads if cluster else cpu_count() or 1
 
+    def here(span: tuple[int, int]) -> ComputedShards:
+        return ComputedShards(results=(job.run_shard(*span, stop),), seconds=0.0)
+
     with _open_workers(executor, workers or there()) as (of, own), ExitStack() as stack:
         parcel: bytes | str = b"" if own else serialise_shard_job(job)
         if cluster and spans:
             assert isinstance(parcel, bytes)
             parcel = stack.enter_context(cluster.held_by_workers(parcel))
-        pending: dict[Future[Any], ShardNode] = {}
-        todo, seconds = dict.fromkeys(spans), float("nan")
+        tasks = cluster or _ExecutorTasks(of)
+        depth = QUEUE_DEPTH_PER_CLUSTER_WORKER if cluster else QUEUE_DEPTH_PER_WORKER
+        todo, seconds = dict.fromkeys(spans), 0.0
 
-        def submit(node: ShardNode) -> Future[Any]:
+        def call_of(node: ShardNode) -> Callable[[], ComputedShards]:
             some = [spans[k] for k in shards_of(node)]
-            if own:
-                return of.submit(job.run_shard, *some[0], stop)
-            return of.submit(compute_shards, parcel, some, merged=merged)
+            return partial(here, *some) if own else partial(
+                compute_shards, parcel, some, merged=merged
+            )  # fmt: skip
 
         try:
-            while True:
-                most = max(there() if workers is None else workers, 1) * QUEUE_DEPTH_PER_WORKER
-                while len(pending) < most and todo:
-                    # Until a shard's time is known one at a time; at last as many for everybody.
-                    many = min(MAX_TASK_S / seconds, len(todo) / most) if seconds > 0 else 1
-                    node = next_node(todo, next(iter(todo)), int(many) if cluster else 1)
-                    for k in shards_of(node):
-                        del todo[k]
-                    pending[submit(node)] = node
-                if not pending:
-                    return
-                done = wait(pending, timeout=WORKER_TIMEOUT_S, return_when=FIRST_COMPLETED).done
+            while todo or tasks.pending_count:
+                many = max(there() if workers is None else workers, 1)
+                if todo and tasks.pending_count <= many * depth // 2:
+                    calls: dict[ShardNode, Callable[[], ComputedShards]] = {}
+                    while todo and tasks.pending_count + len(calls) < many * depth:
+                        # Until a shard's time is known one at a time; at last some for everybody.
+                        most = min(MAX_TASK_S / seconds, len(todo) / many / 3) if seconds else 1
+                        node = next_node(todo, next(iter(todo)), int(most) if cluster else 1)
+                        for k in shards_of(node):
+                            del todo[k]
+                        calls[node] = call_of(node)
+                    tasks.submit_all(calls)
+                done = tasks.finished(WORKER_TIMEOUT_S)
                 if not done and not there():
                     idle()
-                for future in done:
-                    node = pending.pop(future)
-                    got = cluster.result_of(future) if cluster else future.result()
-                    if own:
-                        keep(node, got)
-                        continue
+                for node, got in done:
                     seconds = got.seconds / len(shards_of(node))
                     nodes = [node] if len(got.results) == 1 else [(0, k) for k in shards_of(node)]
                     for at, one in zip(nodes, got.results, strict=True):
                         keep(at, one)
         finally:
             stop.set()
-            if not (isinstance(executor, DaskExecutor) and executor.connection_lost):
-                for future in pending:
-                    future.cancel()
+            tasks.cancel_all()
+
+
+class _ExecutorTasks:
+    """Calls that an executor of `concurrent.futures` makes."""
+
+    def __init__(self, of: Executor) -> None:
+        self._executor = of
+        self._pending: dict[Future[ComputedShards], ShardNode] = {}
+
+    @property
+    def pending_count(self) -> int:
+        """How many are out."""
+        return len(self._pending)
+
+    def submit_all(self, calls: Mapping[ShardNode, Callable[[], ComputedShards]]) -> None:
+        """Hand out calls."""
+        for node, call in calls.items():
+            self._pending[self._executor.submit(call)] = node
+
+    def finished(self, timeout: float) -> list[tuple[ShardNode, ComputedShards]]:
+        """Return calls that are done, each with what it returned; wait for one."""
+        done = wait(self._pending, timeout=timeout, return_when=FIRST_COMPLETED).done
+        return [(self._pending.pop(future), future.result()) for future in done]
+
+    def cancel_all(self) -> None:
+        """Take back what is out."""
+        for future in self._pending:
+            future.cancel()
 
 
 @contextmanager
