@@ -81,6 +81,13 @@ QUEUE_DEPTH_PER_WORKER = 3
 QUEUE_DEPTH_PER_CLUSTER_WORKER = 8
 """The same of a cluster, which is handed half of it at a time: the more, the less each costs."""
 
+TASKS_PER_WORKER_AT_LAST = 3
+"""Into so many tasks for each worker of a cluster is cut what is left: all end about together."""
+
+TASK_OVERHEAD_S = 2.5e-3
+"""Processor time of client and scheduler for a task. Tasks take so long that handing them out keeps
+the two busy half of the time at most."""
+
 MAX_TASK_S = 30.0
 """Seconds that shards handed to a cluster's worker at once take at most; half of that at least,
 if there are enough. A lost worker costs as much."""
@@ -144,7 +151,8 @@ def run_study(
     store = ShardStore.open(folder, job, size, count=count, resume=resume) if folder else None
     found: dict[ShardNode, ShardResult] = {}
     done = {k for k, span in enumerate(spans) if store and store.contains(k, span)}
-    damaged = sum(store.is_damaged(k) for k in range(len(spans)) if k not in done) if store else 0
+    damaged = store.damaged_records if store else 0
+    damaged += sum(store.lacks_rows(k) for k in range(len(spans)) if k not in done) if store else 0
     before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
     finished = before
 
@@ -182,6 +190,11 @@ def run_study(
         stopped = True
         if not done:
             raise
+    finally:
+        if store:
+            store.close()
+    if store:
+        store.put_in_order()
     each = {(0, k): store.load(k) for k in sorted(done)} if store else (
         {node: r.statistics for node, r in found.items()}
     )  # fmt: skip
@@ -258,7 +271,7 @@ def _run_shards(
             parcel = stack.enter_context(cluster.held_by_workers(parcel))
         tasks = cluster or _ExecutorTasks(of)
         depth = QUEUE_DEPTH_PER_CLUSTER_WORKER if cluster else QUEUE_DEPTH_PER_WORKER
-        todo, seconds = dict.fromkeys(spans), 0.0
+        todo, at, seconds = sorted(spans), 0, 0.0
 
         def call_of(node: ShardNode) -> Callable[[], ComputedShards]:
             some = [spans[k] for k in shards_of(node)]
@@ -267,16 +280,17 @@ def _run_shards(
             )  # fmt: skip
 
         try:
-            while todo or tasks.pending_count:
+            while at < len(todo) or tasks.pending_count:
                 many = max(there() if workers is None else workers, 1)
-                if todo and tasks.pending_count <= many * depth // 2:
+                # A cluster's workers get one shard each until the time it takes is known.
+                slots = many if cluster and not seconds else many * depth
+                if at < len(todo) and tasks.pending_count <= slots // 2:
                     calls: dict[ShardNode, Callable[[], ComputedShards]] = {}
-                    while todo and tasks.pending_count + len(calls) < many * depth:
-                        # Until a shard's time is known one at a time; at last some for everybody.
-                        most = min(MAX_TASK_S / seconds, len(todo) / many / 3) if seconds else 1
-                        node = next_node(todo, next(iter(todo)), int(most) if cluster else 1)
-                        for k in shards_of(node):
-                            del todo[k]
+                    while at < len(todo) and tasks.pending_count + len(calls) < slots:
+                        left = (len(todo) - at) / many / TASKS_PER_WORKER_AT_LAST * seconds
+                        most = min(MAX_TASK_S, max(left, 2 * many * TASK_OVERHEAD_S))
+                        node = next_node(todo, at, most / seconds if cluster and seconds else 1)
+                        at += len(shards_of(node))
                         calls[node] = call_of(node)
                     tasks.submit_all(calls)
                 done = tasks.finished(WORKER_TIMEOUT_S)
@@ -285,8 +299,8 @@ def _run_shards(
                 for node, got in done:
                     seconds = got.seconds / len(shards_of(node))
                     nodes = [node] if len(got.results) == 1 else [(0, k) for k in shards_of(node)]
-                    for at, one in zip(nodes, got.results, strict=True):
-                        keep(at, one)
+                    for own_node, result in zip(nodes, got.results, strict=True):
+                        keep(own_node, result)
         finally:
             stop.set()
             tasks.cancel_all()

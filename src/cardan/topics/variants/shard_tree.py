@@ -5,7 +5,7 @@ of its two halves, merged. Whoever computes all shards of a node may merge them,
 from a worker does not grow with the number of its shards.
 """
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
 from cardan.topics.variants.statistics import StatisticState, StreamingStatistic
@@ -22,14 +22,16 @@ def shards_of(node: ShardNode) -> range:
     return range(index << level, (index + 1) << level)
 
 
-def next_node(todo: Collection[int], first: int, most: int) -> ShardNode:
-    """Return the largest node that begins at a shard and has at most so many, all to be done."""
-    level = 0
-    while (
-        2 << level <= most
-        and first % (2 << level) == 0
-        and all(k in todo for k in range(first + (1 << level), first + (2 << level)))
-    ):
+def next_node(todo: Sequence[int], at: int, most: float) -> ShardNode:
+    """Return the largest node of at most so many shards of which the first is `todo[at]`.
+
+    All of them must be there, in `todo`, which rises.
+    """
+    level, first = 0, todo[at]
+    while (2 << level) <= most and first % (2 << level) == 0:
+        last = at + (2 << level) - 1
+        if last >= len(todo) or todo[last] != first + (2 << level) - 1:
+            break
         level += 1
     return level, first >> level
 

@@ -62,7 +62,9 @@ from cardan.topics.variants.sampling import SampledVariable, SamplingPlan, sampl
 from cardan.topics.variants.schema import read_variant_study as read_study
 from cardan.topics.variants.screen_presentation import screen_lines
 from cardan.topics.variants.shard_job import ShardJob, _evaluator_of
-from cardan.topics.variants.shard_store import MANIFEST_FILE_NAME
+from cardan.topics.variants.shard_log import log_entries
+from cardan.topics.variants.shard_store import MANIFEST_FILE_NAME, SHARD_LOG_FILE_NAME
+from cardan.topics.variants.shard_tree import merged_statistics, next_node, shards_of
 from cardan.topics.variants.statistics import (
     QUANTILE_RELATIVE_ERROR,
     clopper_pearson_interval,
@@ -680,6 +682,11 @@ def test_study_range_errors_name_file_and_line(tmp_path, written, told, inside):
 # --------------------------------------------------------------------------- who computes
 
 
+def stored(folder: Path) -> set[int]:
+    """Return the shards that a folder holds."""
+    return {e.about["shard"] for e in log_entries(folder / SHARD_LOG_FILE_NAME) if e}
+
+
 def same(one: VariantStudyResult, other: VariantStudyResult) -> None:
     """Hold two studies against each other, to the last bit."""
     assert one.statistics.keys() == other.statistics.keys()
@@ -802,7 +809,7 @@ def test_resumed_study_gives_identical_results(tmp_path):
     with pytest.raises(StudyInterrupted) as stopped:
         run_study(application(), variants, count=600, shard=60, folder=tmp_path / "cut", hear=stop)
     assert 180 <= stopped.value.result.count < 600
-    before = {p.name for p in (tmp_path / "cut").glob("shard-*")}
+    before = stored(tmp_path / "cut")
     told = []
     again = run_study(
         application(), variants, count=600, shard=60, folder=tmp_path / "cut", resume=True,
@@ -858,10 +865,11 @@ def test_truncated_shards_and_lost_rows_are_recomputed(tmp_path, bytes_):
     variants = build_variants({}, TOLERANCES, ask=VariantOutputs(rows="float64"))
     run_study(application(), variants, count=80, shard=20, folder=tmp_path)
     before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
-    (tmp_path / "shard-000001.npz").write_bytes(before["shard-000001.npz"][:bytes_])
-    whole = bytearray(before["shard-000000.npz"])
-    whole[len(whole) // 2] ^= 0xFF
-    (tmp_path / "shard-000000.npz").write_bytes(whole)
+    first, second, *_ = log_entries(tmp_path / SHARD_LOG_FILE_NAME)
+    whole = bytearray(before[SHARD_LOG_FILE_NAME])
+    whole[first.length // 2] ^= 0xFF
+    del whole[second.offset + bytes_ : second.offset + second.length]
+    (tmp_path / SHARD_LOG_FILE_NAME).write_bytes(whole)
     (rows,) = tmp_path.glob("rows-000002.*")
     rows.unlink()
     (rows,) = tmp_path.glob("rows-000003.*")
@@ -871,7 +879,29 @@ def test_truncated_shards_and_lost_rows_are_recomputed(tmp_path, bytes_):
         application(), variants, count=80, shard=20, folder=tmp_path, resume=True, hear=told.append
     )
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
-    assert told[0].damaged == 4
+    # Where one is gone without a trace nothing is damaged.
+    assert told[0].damaged == (4 if bytes_ else 3)
+
+
+def test_study_resumes_from_a_log_that_ends_anywhere(tmp_path):
+    variants = build_variants({}, TOLERANCES)
+    whole = run_study(application(), variants, count=80, shard=20, folder=tmp_path)
+    path = tmp_path / SHARD_LOG_FILE_NAME
+    before, told = path.read_bytes(), []
+    ends = [e.offset + e.length for e in log_entries(path)]
+    assert len(ends) == 4
+    for size in (0, 1, ends[0] - 1, ends[0], ends[1] + 60, ends[3] - 1):
+        path.write_bytes(before[:size])
+        again = run_study(
+            application(), variants, count=80, shard=20, folder=tmp_path, resume=True,
+            hear=told.append,
+        )  # fmt: skip
+        same(whole, again)
+        assert path.read_bytes() == before
+        at = next(p for p in told if p.done == p.done_before)
+        assert at.done_before == 20 * sum(end <= size for end in ends)
+        assert at.damaged == (size not in (0, *ends))
+        told.clear()
 
 
 @pytest.mark.slow
@@ -884,14 +914,11 @@ def test_shards_that_differ_from_their_digest_are_recomputed(tmp_path):
     changed = bytearray(before[rows.name])
     changed[len(changed) // 3] ^= 1
     rows.write_bytes(changed)
-    with np.load(tmp_path / "shard-000001.npz") as file:
-        arrays = {name: file[name] for name in file.files}
-    np.savez_compressed(
-        tmp_path / "shard-000001.npz", **arrays | {"counts/refused": arrays["counts/refused"] + 1}
-    )
-    with np.load(tmp_path / "shard-000002.npz") as file:  # as before there were digests
-        arrays = {name: file[name] for name in file.files if name not in ("digest", "rows")}
-    np.savez_compressed(tmp_path / "shard-000002.npz", **arrays)
+    log = bytearray(before[SHARD_LOG_FILE_NAME])
+    _, second, third, _ = log_entries(tmp_path / SHARD_LOG_FILE_NAME)
+    log[second.offset + 8] ^= 1  # its length
+    log[third.offset + third.length - 1] ^= 1  # its content
+    (tmp_path / SHARD_LOG_FILE_NAME).write_bytes(log)
     (rows,) = tmp_path.glob("rows-000003.*")
     other = rows.with_name(rows.name.replace("3", "2"))
     rows.write_bytes(before[other.name])  # whole, and of another shard
@@ -1042,12 +1069,12 @@ def test_study_killed_at_any_moment_resumes_identically(tmp_path, shards_before)
     command = [sys.executable, "-c", KILLED, str(tmp_path / "line.yaml"), str(tmp_path / "out")]
     run = subprocess.Popen(command)
     deadline = time.monotonic() + 60
-    while len(list((tmp_path / "out").glob("shard-*.npz"))) < shards_before:
+    while len(stored(tmp_path / "out")) < shards_before:
         assert time.monotonic() < deadline
         time.sleep(0.002)
     os.kill(run.pid, signal.SIGKILL)
     assert run.wait() == -signal.SIGKILL
-    done = len(list((tmp_path / "out").glob("shard-*.npz")))
+    done = len(stored(tmp_path / "out"))
     assert shards_before <= done < 40
     subprocess.run(command, check=True)
     asked = build_variants(
@@ -1382,3 +1409,26 @@ def test_python_api_study_matches_file_study(tmp_path):
     assert {m.quantity for _, m in narrow.limits} == {"joint_angle"}
     with pytest.raises(CardanError, match="not kept"):
         cardan.study(app, {"shim_deg": [-1, 1]}, n=16, rows=None).to_frame()
+
+
+def test_shards_merge_to_the_same_bits_in_any_nodes():
+    """Sums that round otherwise in another order, as those of quantiles and weights, do not."""
+    variants = build_variants({}, TOLERANCES, ask=VariantOutputs(quantiles=(0.5,)))
+    job = ShardJob.from_study(application(), variants)
+    every = reduce.requested_statistics(job.evaluator, variants.ask)
+    leaves = {(0, k): job.run_shard(7 * k, 7 * k + 7).statistics for k in range(11)}
+    whole = merged_statistics(every, leaves)
+    for most, beginning in ((2, 0), (4, 0), (8, 0), (8, 3)):
+        nodes, todo = dict(list(leaves.items())[:beginning]), list(range(beginning, 11))
+        at = 0
+        while at < len(todo):
+            node = next_node(todo, at, most)
+            assert list(shards_of(node)) == todo[at : at + len(shards_of(node))]
+            mine = {(0, k): leaves[0, k] for k in shards_of(node)}
+            nodes[node] = merged_statistics(every, mine)
+            at += len(mine)
+        again = merged_statistics(every, nodes)
+        for name, state in whole.items():
+            for key, value in state.items():
+                np.testing.assert_array_equal(value, again[name][key], err_msg=name)
+    assert merged_statistics(every, {}) == {}
