@@ -8,20 +8,25 @@ are the processor's, so that other work does not count; of several they are the 
 and two in turn.
 """
 
+import json
 import os
 import resource
+import subprocess
 import sys
 from concurrent.futures import Executor, ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from statistics import median
-from time import perf_counter, process_time, thread_time
+from tempfile import TemporaryDirectory
+from time import perf_counter, process_time, sleep, thread_time
 
 from cardan.application import reader
 from cardan.core.arrays import retain_freed_memory, single_threaded_blas
 from cardan.model.variants import VariantOutputs
+from cardan.topics.variants import runner, shard_job
 from cardan.topics.variants.evaluation import VariantEvaluator, build_variants
 from cardan.topics.variants.executors import open_executor
 from cardan.topics.variants.runner import run_study
@@ -134,6 +139,74 @@ def main() -> None:
     if find_spec("distributed"):
         with cluster() as address, open_executor(address, 2) as pool:
             told("workers of a Dask cluster", "0.8", pool)
+        for seconds, of in (
+            (30.0, "a task of one shard"),
+            (2.0, "a shard of 2 s, of several a task"),
+        ):
+            each = [handing_out(truck, asked, seconds, kept=kept) for kept in (False, True)]
+            print(
+                f"| processor time of client and scheduler, {of}; kept in a folder | 2 ms "
+                f"| {each[0]:.1f} ms; {each[1]:.1f} ms |",
+                flush=True,
+            )
+
+
+def handing_out(truck, asked, seconds: float, *, kept: bool) -> float:
+    """Return the milliseconds of client and scheduler for a shard that two workers do not compute.
+
+    Each says that its shards took so many `seconds`.
+    """
+    shards = 400
+    with scheduler_and_two_workers() as (pid, address), open_executor(address, 2) as pool:
+        runner.compute_shards = partial(shards_of_before, seconds)
+        run_study(truck, asked, count=16 * SHARD, shard=SHARD, executor=pool, workers=2)  # warm
+        with TemporaryDirectory() as folder:
+            begun = process_time() + processor_seconds(pid)
+            run_study(
+                truck, asked, count=shards * SHARD, shard=SHARD, executor=pool, workers=2,
+                folder=Path(folder) / "study" if kept else None,
+            )  # fmt: skip
+            spent = process_time() + processor_seconds(pid) - begun
+        runner.compute_shards = shard_job.compute_shards
+    return 1e3 * spent / shards
+
+
+def shards_of_before(seconds: float, job: str, spans, *, merged: bool):
+    """Return shards of four variants, which a worker computes once."""
+    if not hasattr(shard_job, "before"):
+        shard_job.before = deserialise_shard_job(shard_job._HELD_JOBS[job]).run_shard(0, 4)
+    results = (shard_job.before,) * (1 if merged else len(spans))
+    return shard_job.ComputedShards(results=results, seconds=seconds * len(spans))
+
+
+@contextmanager
+def scheduler_and_two_workers():
+    """Give the process of a scheduler, and its address."""
+    dask = sys.executable, "-m", "dask"
+    with TemporaryDirectory() as folder, ExitStack() as stack:
+        where = Path(folder) / "scheduler.json"
+        local = "--scheduler-file", str(where), "--no-dashboard"
+
+        def begin(*command: str) -> subprocess.Popen:
+            run = subprocess.Popen(
+                [*dask, *command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            )
+            stack.callback(run.wait)
+            stack.callback(run.kill)
+            return run
+
+        first = begin("scheduler", *local, "--host", "127.0.0.1", "--port", "0")
+        while not where.exists():
+            sleep(0.05)
+        for _ in range(2):
+            begin("worker", *local, "--no-nanny", "--nthreads", "1", "--local-directory", folder)
+        yield first.pid, json.loads(where.read_text())["address"]
+
+
+def processor_seconds(pid: int) -> float:
+    """Return the processor time that a process has had, s, on Linux."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def yield_alone(truck, chosen, count: int) -> tuple[float, float, float]:

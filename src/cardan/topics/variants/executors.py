@@ -19,6 +19,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from tempfile import NamedTemporaryFile, TemporaryDirectory
 from threading import Thread
+from time import monotonic
 from types import TracebackType
 from typing import Any
 from uuid import uuid4
@@ -29,6 +30,9 @@ from cardan.topics.variants.shard_job import forget_shard_job, hold_shard_job
 
 SCHEDULER_TIMEOUT_S = 30
 """s: a cluster whose scheduler has not answered by then is given up."""
+
+WORKER_COUNT_AGE_S = 1.0
+"""s: a count of workers, for which the scheduler is asked, holds so long."""
 
 # --------------------------------------------------------------------------- who asks
 
@@ -134,6 +138,7 @@ class DaskExecutor(Executor):
         self._client, self._executor = client, client.get_executor()
         self._pending: dict[str, tuple[Any, Any]] = {}
         self._done: SimpleQueue[Any] = SimpleQueue()
+        self._threads, self._counted = 0, 0.0
 
     @contextmanager
     def held_by_workers(self, job: bytes) -> Generator[str, None, None]:
@@ -212,11 +217,17 @@ class DaskExecutor(Executor):
 
     @property
     def worker_threads(self) -> int:
-        """How many threads of workers there are now; 1 where the scheduler does not answer."""
-        try:
-            return sum(self._client.ncores().values())
-        except (OSError, TimeoutError, RuntimeError, AttributeError):
-            return 1  # its client is closed, or closing: the shards it loses tell that
+        """How many threads of workers there are; 1 where the scheduler does not answer.
+
+        Some, and not none, are counted again after `WORKER_COUNT_AGE_S`.
+        """
+        if not self._threads or monotonic() - self._counted > WORKER_COUNT_AGE_S:
+            self._counted = monotonic()
+            try:
+                self._threads = sum(self._client.ncores().values())
+            except (OSError, TimeoutError, RuntimeError, AttributeError):
+                self._threads = 1  # its client is closed, or closing: what it loses tells that
+        return self._threads
 
 
 def _call_to_bytes(call: Callable[[], Any]) -> bytes:
