@@ -16,7 +16,7 @@ from typing import Any, BinaryIO, cast
 import numpy as np
 
 from cardan.checks.quantities.registry import QUANTITIES
-from cardan.core.errors import DesignError, FileIssue, InvalidFileError
+from cardan.core.errors import DesignError
 from cardan.schema import atomic_write as writer
 from cardan.topics.variants.evaluation import (
     EvaluatedVariants,
@@ -212,8 +212,7 @@ class ShardStore:
                 os.fsync(self._file.fileno())
                 self._synced = perf_counter()
         except OSError as error:
-            problem = FileIssue(message=f"cannot be written: {error.strerror or error}")
-            raise InvalidFileError(str(self._path), (problem,)) from None
+            raise writer.write_error(self._path, error) from None
         self._entries[k] = LogEntry(offset=offset, length=len(record), about=about)
 
     def load(self, k: int) -> dict[str, StatisticState]:
