@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -52,6 +52,15 @@ def record_arrays(record: bytes) -> dict[str, Any]:
     return found
 
 
+def record_of(file: BinaryIO, entry: LogEntry) -> bytes | None:
+    """Return a record; None where another stands now, or none."""
+    file.seek(entry.offset)
+    found = file.read(entry.length)
+    now = _entry_at(found, 0)
+    same = now is not None and all(now.about.get(k) == v for k, v in entry.about.items())
+    return found if same else None
+
+
 def log_entries(path: Path) -> Iterator[LogEntry | None]:
     """Yield the records of a file in their order, None for each stretch that is none.
 
@@ -67,7 +76,7 @@ def log_entries(path: Path) -> Iterator[LogEntry | None]:
             at = whole.find(_MAGIC, at + 1) if found is None else at + found.length
 
 
-def _entry_at(whole: mmap.mmap, at: int) -> LogEntry | None:
+def _entry_at(whole: mmap.mmap | bytes, at: int) -> LogEntry | None:
     """Return the record that begins at a place; None if no whole one does."""
     if at + _HEAD.size > len(whole):
         return None

@@ -33,6 +33,7 @@ from cardan.topics.variants.shard_log import (
     log_entries,
     log_record,
     record_arrays,
+    record_of,
 )
 from cardan.topics.variants.statistics import (
     StatisticState,
@@ -251,9 +252,11 @@ class ShardStore:
             at += entry.length
 
     def _record(self, file: BinaryIO, k: int) -> bytes:
-        entry = self._entries[k]
-        file.seek(entry.offset)
-        return file.read(entry.length)
+        found = record_of(file, self._entries[k])
+        if found is None:
+            msg = f"{self._path} was changed by another run: end that, then go on with --resume"
+            raise DesignError(msg)
+        return found
 
     def _write_rows(self, k: int, rows: Mapping[str, Any]) -> str:
         """Write the variants of a shard in place of what stood for them; return their digest."""

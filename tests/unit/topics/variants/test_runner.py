@@ -904,6 +904,20 @@ def test_study_resumes_from_a_log_that_ends_anywhere(tmp_path):
         told.clear()
 
 
+def test_log_that_another_run_changed_is_not_read(tmp_path):
+    variants = build_variants({}, TOLERANCES)
+    path = tmp_path / SHARD_LOG_FILE_NAME
+
+    def meddle(progress):
+        if progress.done == 80:
+            first, second, *_ = log_entries(path)
+            log = path.read_bytes()
+            path.write_bytes(log[second.offset :] + log[: first.length])
+
+    with pytest.raises(CardanError, match=r"shards\.log was changed by another run: end that"):
+        run_study(application(), variants, count=80, shard=20, folder=tmp_path, hear=meddle)
+
+
 @pytest.mark.slow
 def test_shards_that_differ_from_their_digest_are_recomputed(tmp_path):
     """Rows of the right number, and statistics that read well, were taken as they were."""
