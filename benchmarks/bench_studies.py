@@ -79,6 +79,17 @@ def main() -> None:
                 f"rubber | 8 | {whole / alone:.1f} |",
                 flush=True,
             )
+    with single_threaded_blas():
+        for what, limits in (("every limit", ()), ("limits of its geometry alone", GEOMETRY)):
+            each = [
+                processor_ms(truck, {k: TOLERANCES[k] for k in some}, limits, count // 2)
+                for some in (TOLERANCES, ["phase_deg[*]"], ["shim_deg"])
+            ]
+            print(
+                f"| phases alone, the shim alone, over all that scatters, {what} | 0.5 "
+                f"| {each[1] / each[0]:.2f}, {each[2] / each[0]:.2f} |",
+                flush=True,
+            )
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"| memory at its peak, {count} variants | bounded | {peak:.0f} MiB |")
 
@@ -149,6 +160,16 @@ def main() -> None:
                 f"| {each[0]:.1f} ms; {each[1]:.1f} ms |",
                 flush=True,
             )
+
+
+def processor_ms(truck, scatter, limits: tuple[str, ...], count: int) -> float:
+    """Return the milliseconds of a variant."""
+    asked = build_variants({}, scatter, ask=VariantOutputs(limits=limits))
+    bench = VariantEvaluator.from_application(truck, asked)
+    bench.evaluate_range(0, 64)  # warm
+    begun = process_time()
+    bench.evaluate_range(0, count)
+    return 1e3 * (process_time() - begun) / count
 
 
 def handing_out(truck, asked, seconds: float, *, kept: bool) -> float:
