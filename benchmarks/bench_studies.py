@@ -2,25 +2,31 @@
 
     python benchmarks/bench_studies.py
 
-Every limit in seven states at all operating points, bearings on rubber; and the limits of its
-geometry alone. Seconds of a core are the processor's, so that other work does not count; of
-several they are the clock's, one worker and two in turn.
+Every limit in seven states at all operating points, bearings on rubber; the limits of its
+geometry alone; and the yield alone, which stops at what fails without rubber. Seconds of a core
+are the processor's, so that other work does not count; of several they are the clock's, one worker
+and two in turn.
 """
 
+import json
 import os
 import resource
+import subprocess
 import sys
 from concurrent.futures import Executor, ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from importlib.util import find_spec
 from itertools import pairwise
 from pathlib import Path
 from statistics import median
-from time import perf_counter, process_time, thread_time
+from tempfile import TemporaryDirectory
+from time import perf_counter, process_time, sleep, thread_time
 
 from cardan.application import reader
 from cardan.core.arrays import retain_freed_memory, single_threaded_blas
 from cardan.model.variants import VariantOutputs
+from cardan.topics.variants import runner, shard_job
 from cardan.topics.variants.evaluation import VariantEvaluator, build_variants
 from cardan.topics.variants.executors import open_executor
 from cardan.topics.variants.runner import run_study
@@ -36,6 +42,7 @@ GEOMETRY = (
     "torsional_acceleration", "inertia_coast_acceleration", "inertia_drive_acceleration",
     "joint_angle", "joint_angle_min", "angle_for_speed", "clearance",
 )  # fmt: skip
+CORRECTED = {"bearing_height_mm[2]": {"choice": [18]}, "shim_deg": {"choice": [1.0]}}
 SET = {"bearing_height_mm[2]": {"choice": [15]}, "shim_deg": {"choice": [0.5]}}
 COUNT, SHARD, SHARDS, TURNS, MILLION = 512, 256, 8, 3, 1_000_000
 
@@ -64,6 +71,25 @@ def main() -> None:
             bench.evaluate_range(0, count)
             rate = count / (process_time() - begun)
             print(f"| variants a second a core, {what} | 10000 | {rate:.0f} |", flush=True)
+    with single_threaded_blas():
+        for what, chosen in (("as it is", {}), ("corrected", CORRECTED)):
+            whole, stopped, alone = yield_alone(truck, chosen, count // 2)
+            print(
+                f"| every limit over the yield alone, {what}: {100 * stopped:.0f} % fail without "
+                f"rubber | 8 | {whole / alone:.1f} |",
+                flush=True,
+            )
+    with single_threaded_blas():
+        for what, limits in (("every limit", ()), ("limits of its geometry alone", GEOMETRY)):
+            each = [
+                processor_ms(truck, {k: TOLERANCES[k] for k in some}, limits, count // 2)
+                for some in (TOLERANCES, ["phase_deg[*]"], ["shim_deg"])
+            ]
+            print(
+                f"| phases alone, the shim alone, over all that scatters, {what} | 0.5 "
+                f"| {each[1] / each[0]:.2f}, {each[2] / each[0]:.2f} |",
+                flush=True,
+            )
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"| memory at its peak, {count} variants | bounded | {peak:.0f} MiB |")
 
@@ -124,6 +150,98 @@ def main() -> None:
     if find_spec("distributed"):
         with cluster() as address, open_executor(address, 2) as pool:
             told("workers of a Dask cluster", "0.8", pool)
+        for seconds, of in (
+            (30.0, "a task of one shard"),
+            (2.0, "a shard of 2 s, of several a task"),
+        ):
+            each = [handing_out(truck, asked, seconds, kept=kept) for kept in (False, True)]
+            print(
+                f"| processor time of client and scheduler, {of}; kept in a folder | 2 ms "
+                f"| {each[0]:.1f} ms; {each[1]:.1f} ms |",
+                flush=True,
+            )
+
+
+def processor_ms(truck, scatter, limits: tuple[str, ...], count: int) -> float:
+    """Return the milliseconds of a variant."""
+    asked = build_variants({}, scatter, ask=VariantOutputs(limits=limits))
+    bench = VariantEvaluator.from_application(truck, asked)
+    bench.evaluate_range(0, 64)  # warm
+    begun = process_time()
+    bench.evaluate_range(0, count)
+    return 1e3 * (process_time() - begun) / count
+
+
+def handing_out(truck, asked, seconds: float, *, kept: bool) -> float:
+    """Return the milliseconds of client and scheduler for a shard that two workers do not compute.
+
+    Each says that its shards took so many `seconds`.
+    """
+    shards = 400
+    with scheduler_and_two_workers() as (pid, address), open_executor(address, 2) as pool:
+        runner.compute_shards = partial(shards_of_before, seconds)
+        run_study(truck, asked, count=16 * SHARD, shard=SHARD, executor=pool, workers=2)  # warm
+        with TemporaryDirectory() as folder:
+            begun = process_time() + processor_seconds(pid)
+            run_study(
+                truck, asked, count=shards * SHARD, shard=SHARD, executor=pool, workers=2,
+                folder=Path(folder) / "study" if kept else None,
+            )  # fmt: skip
+            spent = process_time() + processor_seconds(pid) - begun
+        runner.compute_shards = shard_job.compute_shards
+    return 1e3 * spent / shards
+
+
+def shards_of_before(seconds: float, job: str, spans, *, merged: bool):
+    """Return shards of four variants, which a worker computes once."""
+    if not hasattr(shard_job, "before"):
+        shard_job.before = deserialise_shard_job(shard_job._HELD_JOBS[job]).run_shard(0, 4)
+    results = (shard_job.before,) * (1 if merged else len(spans))
+    return shard_job.ComputedShards(results=results, seconds=seconds * len(spans))
+
+
+@contextmanager
+def scheduler_and_two_workers():
+    """Give the process of a scheduler, and its address."""
+    dask = sys.executable, "-m", "dask"
+    with TemporaryDirectory() as folder, ExitStack() as stack:
+        where = Path(folder) / "scheduler.json"
+        local = "--scheduler-file", str(where), "--no-dashboard"
+
+        def begin(*command: str) -> subprocess.Popen:
+            run = subprocess.Popen(
+                [*dask, *command], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            )
+            stack.callback(run.wait)
+            stack.callback(run.kill)
+            return run
+
+        first = begin("scheduler", *local, "--host", "127.0.0.1", "--port", "0")
+        while not where.exists():
+            sleep(0.05)
+        for _ in range(2):
+            begin("worker", *local, "--no-nanny", "--nthreads", "1", "--local-directory", folder)
+        yield first.pid, json.loads(where.read_text())["address"]
+
+
+def processor_seconds(pid: int) -> float:
+    """Return the processor time that a process has had, s, on Linux."""
+    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def yield_alone(truck, chosen, count: int) -> tuple[float, float, float]:
+    """Return seconds of every limit, the share that stops before rubber, and seconds of that."""
+    seconds, found = [], None
+    for only in (False, True):
+        asked = build_variants(chosen, TOLERANCES, ask=VariantOutputs(yield_only=only))
+        bench = VariantEvaluator.from_application(truck, asked)
+        bench.evaluate_range(0, 64)  # warm
+        begun = process_time()
+        was, found = found, bench.evaluate_range(0, count)
+        seconds.append(process_time() - begun)
+        assert was is None or was.verdicts == found.verdicts
+    return seconds[0], found.results.stopped.mean(), seconds[1]
 
 
 def cost(job: bytes, start: int, stop: int) -> float:

@@ -595,13 +595,13 @@ def study(
     ask
         As in the file's `ask`: `quantiles=(0.05, 0.95)`, `sobol=True`, `worst=5`,
         `pareto=("margin", "cost")`, `maps=(("shim_deg", "axle.ratio"),)`, `confidence=0.95`.
-        Without a folder each variant is kept, unless `rows` is None.
+        Without a folder each variant is kept, unless `rows` is None or `yield_only` is True.
     """
     if vary is None and tolerances is None and app.variants is not None:
         variants = app.variants
     else:
         variants = sweeps.build_variants(vary, tolerances)
-    if out is None:
+    if out is None and not ask.get("yield_only", variants.ask.yield_only):
         ask = {"rows": "float64", **ask}
     variants = replace(variants, ask=replace(variants.ask, **ask))
     with _locate_design_errors(app):

@@ -115,20 +115,25 @@ def line_response_in_states(response: LineResponse, states: Sequence[int]) -> Li
 
 
 def response_with_adjustments(
-    response: LineResponse, movable: tuple[PermittedAdjustment, ...], amounts: FloatArray
+    response: LineResponse,
+    movable: tuple[PermittedAdjustment, ...],
+    amounts: FloatArray,
+    *,
+    shared: bool = False,
 ) -> LineResponse:
     """Return the response of a line with each thing moved by its amount, (V, movable) SI.
 
     Those are the line's own, or the shim of an axle that it leaves (`adjustment_affects_line`).
-    Of one variant, (movable,), it has no axis of variants.
+    Of one variant, (movable,), it has no axis of variants. With `shared`, what all variants have
+    alike has one, (1, ...): layouts, if phases alone differ. What follows from that alone is
+    computed once.
     """
     by = _by(response, movable, np.atleast_2d(amounts))
-    shift, shim, phases = (
-        make_components_contiguous(by.bearing_shift, of=2),
-        by.shim,
-        make_components_contiguous(by.phases),
+    shift, shim, ahead, phases = (
+        v[:1] if shared and (v == v[:1]).all() else v
+        for v in (by.bearing_shift, by.shim, by.input_axle_shim, by.phases)
     )
-    ahead = by.input_axle_shim
+    shift, phases = make_components_contiguous(shift, of=2), make_components_contiguous(phases)
     if amounts.ndim == 1:
         shift, shim, ahead, phases = shift[0], shim[0], ahead[0], phases[0]
     response = _refitted(response, by)

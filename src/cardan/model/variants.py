@@ -58,7 +58,10 @@ class VariantOutputs:
     Attributes
     ----------
     yield_
-        Whether the share that may be built is computed, with its interval of `confidence`.
+        Whether the share that may be built is told, with its interval of `confidence`.
+    yield_only
+        Whether nothing else is: a variant that fails a limit without rubber is then not
+        evaluated on rubber. No limit has a table, and no variant is among the worst.
     quantiles
         Of every limit's value and margin.
     worst
@@ -82,6 +85,7 @@ class VariantOutputs:
     """
 
     yield_: bool = True
+    yield_only: bool = False
     confidence: float = 0.95
     quantiles: tuple[float, ...] = ()
     worst: int = 3
@@ -98,6 +102,15 @@ class VariantOutputs:
         if len(set(self.pareto)) < len(self.pareto):
             msg = f"pareto weighs each once, against others, got {', '.join(self.pareto)}"
             raise ValueError(msg)
+        if self.yield_only and (others := self.excluded_by_yield_only):
+            msg = f"`ask`: yield_only reports nothing else: remove {', '.join(others)}"
+            raise ValueError(msg)
+
+    @property
+    def excluded_by_yield_only(self) -> tuple[str, ...]:
+        """The keys given that need every limit of every variant, or leave the yield out."""
+        keys = ("quantiles", "sobol", "pareto", "maps", "rare", "foretold", "rows")
+        return (*(("yield",) if not self.yield_ else ()), *(k for k in keys if getattr(self, k)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -71,7 +71,7 @@ def write_atomically(
         else:
             _settle(target, data, replace=replace)
     except OSError as error:
-        raise _refusal(path, error) from None
+        raise write_error(path, error) from None
     return path
 
 
@@ -131,7 +131,7 @@ def check_output_paths(
         try:
             _place(path)
         except OSError as error:
-            raise _refusal(path, error) from None
+            raise write_error(path, error) from None
         if Path(os.path.realpath(path)).is_relative_to(_PROGRAM):
             raise _bad(path, f"{option} would write into the program itself")
         kinds = OUTPUT_ENDINGS.get(option, ())
@@ -356,8 +356,8 @@ def _runs(process: int) -> bool:
 # --------------------------------------------------------------------------- why not
 
 
-def _refusal(path: Path, error: OSError) -> InvalidFileError:
-    """Return why a file was not written."""
+def write_error(path: Path, error: OSError) -> InvalidFileError:
+    """Return the error of a file that was not written."""
     if isinstance(error, FileExistsError):
         return _bad(path, "is there already", hint="choose another name, or say --force")
     return _bad(path, f"cannot be written: {error.strerror or error}")

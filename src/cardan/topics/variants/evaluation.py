@@ -102,8 +102,10 @@ class LimitResults:
         Of all shafts; nan where one has no tube.
     infeasible : (V,)
         Whether the driveline cannot exist so.
+    stopped : (V,)
+        Whether it failed a cheap limit and was evaluated no further (`yield_only`).
     why : str
-        What the first of those says.
+        What the first of those refused says.
     """
 
     values: FloatArray
@@ -114,6 +116,7 @@ class LimitResults:
     bounded: BoolArray
     mass: FloatArray
     infeasible: BoolArray
+    stopped: BoolArray
     why: str = ""
 
     @property
@@ -122,6 +125,22 @@ class LimitResults:
         known = ~np.isnan(self.margins)
         grades = np.where(known, self.grades, -1)
         return np.where(known & (grades == grades.max(axis=0)), self.margins, np.inf)
+
+    @classmethod
+    def without_answers(cls, limits: int, count: int) -> "LimitResults":
+        """Return what `count` variants come to of which nothing is known."""
+        shape = (limits, count)
+        return cls(
+            values=np.full(shape, np.nan),
+            margins=np.full(shape, np.nan),
+            left=np.full(shape, np.nan),
+            grades=np.full(shape, UNEVALUATED_GRADE_CODE),
+            missed=np.zeros(shape, dtype=bool),
+            bounded=np.zeros(shape, dtype=bool),
+            mass=np.full(count, np.nan),
+            infeasible=np.zeros(count, dtype=bool),
+            stopped=np.zeros(count, dtype=bool),
+        )
 
     @classmethod
     def concatenate(cls, parts: Sequence["LimitResults"]) -> "LimitResults":
@@ -383,6 +402,8 @@ class VariantEvaluator:
     unvectorised_inputs: tuple[str, ...] = ()
     quantities: tuple[str, ...] = ()
     """Whose limits count; all where none is named."""
+    yield_only: bool = False
+    """Whether what fails a limit without rubber is not evaluated on rubber."""
 
     @classmethod
     def from_application(
@@ -408,6 +429,7 @@ class VariantEvaluator:
             installed=approve_driveline(application),
             sampling_plan=drawn,
             quantities=variants.ask.limits,
+            yield_only=variants.ask.yield_only,
         )
         if not bench.limits:
             msg = f"`ask`: no limit is on {', '.join(variants.ask.limits) or 'this line'}"
@@ -478,20 +500,57 @@ class VariantEvaluator:
 
         `go_on` is called between chunks; if it returns False a `KeyboardInterrupt` is raised.
         """
-        parts: list[LimitResults] = []
         unit = self.sampling_plan.unit_points(start, stop)
         inputs = self.sampling_plan.inputs_at(unit, start)
-        for first in range(0, len(inputs), self.chunk_size):
-            if not go_on():
-                raise KeyboardInterrupt
-            tell("sweep", first, len(inputs))
-            parts.append(self.evaluate(inputs[first : first + self.chunk_size]))
-        return self.collect(
-            inputs,
-            LimitResults.concatenate(parts),
-            unit,
-            self.sampling_plan.independent(start, stop),
+
+        def in_chunks(of: VariantEvaluator, rows: IntArray) -> LimitResults:
+            parts: list[LimitResults] = []
+            for first in range(0, len(rows), of.chunk_size):
+                if not go_on():
+                    raise KeyboardInterrupt
+                tell("sweep", first, len(rows))
+                parts.append(of.evaluate(inputs[rows[first : first + of.chunk_size]]))
+            return LimitResults.concatenate(parts)
+
+        found = (
+            self._until_failed(len(inputs), in_chunks)
+            if self.yield_only
+            else in_chunks(self, np.arange(len(inputs)))
         )
+        return self.collect(inputs, found, unit, self.sampling_plan.independent(start, stop))
+
+    @cached_property
+    def stages(self) -> "tuple[VariantEvaluator, ...]":
+        """Evaluators of the limits without rubber, and of those on it, which cost far more."""
+        every = dict.fromkeys(limit.quantity for _, limit in self.limits)
+        each = (
+            tuple(k for k in every if LINE_QUANTITIES[k].depends_on_mounts == on_rubber)
+            for on_rubber in (False, True)
+        )
+        return tuple(replace(self, quantities=some, yield_only=False) for some in each if some)
+
+    def _until_failed(
+        self, count: int, evaluate: "Callable[[VariantEvaluator, IntArray], LimitResults]"
+    ) -> LimitResults:
+        """Return what limits come to, stage by stage, of what has not failed yet.
+
+        Limits that a variant was not evaluated for have no answer, and miss none.
+        """
+        found = LimitResults.without_answers(len(self.limits), count)
+        rows = np.arange(count)
+        for stage in self.stages:
+            part = evaluate(stage, rows)
+            at = np.array([self.limits.index(one) for one in stage.limits])[:, None], rows
+            for name in ("values", "margins", "left", "grades", "missed", "bounded"):
+                getattr(found, name)[at] = getattr(part, name)
+            found.mass[rows], found.infeasible[rows] = part.mass, part.infeasible
+            found = replace(found, why=found.why or part.why)
+            failed = (part.grades == CHECK_GRADES.index("fail")).any(axis=0)
+            found.stopped[rows[failed & (stage is not self.stages[-1])]] = True
+            rows = rows[~(failed | part.infeasible)]
+            if not rows.size:
+                break
+        return found
 
     def collect(
         self, inputs: FloatArray, answers: LimitResults, unit: FloatArray, own: BoolArray
@@ -538,7 +597,8 @@ class VariantEvaluator:
             if mine:
                 parts = tuple(moves[self.sampling_plan.names[k]] for k in mine)
                 worth = np.array([ADJUSTMENTS[p.adjustment_key].unit_value for p in parts])
-                response = response_with_adjustments(response, parts, inputs[:, mine] * worth)
+                amounts = inputs[:, mine] * worth
+                response = response_with_adjustments(response, parts, amounts, shared=True)
             places = self._places[response.line.name]
             found.append(_answers(response, self._questions(response), places, count))
         return replace(
@@ -565,18 +625,8 @@ class VariantEvaluator:
 
     def _refused(self, why: str) -> LimitResults:
         """Return what a variant comes to that cannot exist."""
-        nothing = np.full((len(self.limits), 1), np.nan)
-        return LimitResults(
-            values=nothing,
-            margins=nothing,
-            left=nothing,
-            grades=np.full(nothing.shape, UNEVALUATED_GRADE_CODE),
-            missed=np.zeros(nothing.shape, dtype=bool),
-            bounded=np.zeros(nothing.shape, dtype=bool),
-            mass=np.array([np.nan]),
-            infeasible=np.array([True]),
-            why=why,
-        )
+        nothing = LimitResults.without_answers(len(self.limits), 1)
+        return replace(nothing, infeasible=np.array([True]), why=why)
 
     @cached_property
     def _moves(self) -> dict[str, PermittedAdjustment]:
@@ -706,6 +756,7 @@ def _answers(
         bounded=bounded,
         mass=np.broadcast_to(mass.reshape(-1) if mass.ndim else mass, count).copy(),
         infeasible=np.zeros(count, dtype=bool),
+        stopped=np.zeros(count, dtype=bool),
     )
 
 

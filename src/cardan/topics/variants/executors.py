@@ -4,7 +4,7 @@ import logging
 import os
 import pickle
 import shutil
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Mapping
 from concurrent.futures import (
     BrokenExecutor,
     CancelledError,
@@ -12,22 +12,29 @@ from concurrent.futures import (
     Future,
     ProcessPoolExecutor,
 )
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib import import_module
 from multiprocessing import get_context, parent_process
 from pathlib import Path
+from queue import Empty, SimpleQueue
 from tempfile import NamedTemporaryFile, TemporaryDirectory
 from threading import Thread
+from time import monotonic
 from types import TracebackType
 from typing import Any
+from uuid import uuid4
 
 from cardan.core.errors import DesignError, MissingDependencyError
 from cardan.core.interrupts import ignore_interrupts, interrupts_held_back
+from cardan.topics.variants.shard_job import forget_shard_job, hold_shard_job
 
 SCHEDULER_TIMEOUT_S = 30
 """s: a cluster whose scheduler has not answered by then is given up."""
 
-# --------------------------------------------------------------------------- executors
+WORKER_COUNT_AGE_S = 1.0
+"""s: a count of workers, for which the scheduler is asked, holds so long."""
+
+# --------------------------------------------------------------------------- who asks
 
 
 @contextmanager
@@ -122,15 +129,82 @@ def _call_within(seconds: float, function: Callable[[], Any]) -> Any:
 
 
 class DaskExecutor(Executor):
-    """A Dask cluster by its client: an executor that knows how many there are to work."""
+    """A Dask cluster by its client: an executor that knows how many there are to work.
+
+    Calls go out many at a time, and come back so: that halves what each costs client and scheduler.
+    """
 
     def __init__(self, client: Any) -> None:
         self._client, self._executor = client, client.get_executor()
+        self._pending: dict[str, tuple[Any, Any]] = {}
+        self._done: SimpleQueue[Any] = SimpleQueue()
+        self._threads, self._counted = 0, 0.0
+
+    @contextmanager
+    def held_by_workers(self, job: bytes) -> Generator[str, None, None]:
+        """Send a job once to each worker, those that come later too; give its name there."""
+        name = f"cardan-{uuid4().hex}"  # another study of the same job ends when it ends
+        self._client.register_plugin(_job_holder(name, job), name=name)
+        try:
+            yield name
+        finally:
+            if not self.connection_lost:
+                with suppress(OSError, TimeoutError, RuntimeError):  # it may be lost just now
+                    self._client.unregister_worker_plugin(name)
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Hand a call to a free worker."""
+        """Hand a call to whoever is free."""
+        return self._executor.submit(fn, *args, **kwargs)
+
+    def submit_all(self, calls: Mapping[Any, Callable[[], Any]]) -> None:
+        """Hand out calls to whoever is free, in one message.
+
+        Raises
+        ------
+        CancelledError
+            If the scheduler is lost; so does `finished`.
+        """
+        with self._cancelled_if_lost():
+            futures = self._client.map(_call_to_bytes, list(calls.values()), pure=False)
+        for key, future in zip(calls, futures, strict=True):
+            self._pending[future.key] = key, future
+            future.add_done_callback(self._done.put)
+
+    def finished(self, timeout: float) -> list[tuple[Any, Any]]:
+        """Return calls that are done, each by its key with what it returned; wait for one."""
+        done: list[Any] = []
+        with suppress(Empty):
+            done.append(self._done.get(timeout=timeout))
+            while True:
+                done.append(self._done.get_nowait())
+        done = [f for f in done if f.key in self._pending]  # not of calls that were cancelled
+        if any(f.status == "cancelled" for f in done):
+            raise CancelledError
+        with self._cancelled_if_lost():
+            each = self._client.gather(done)
+        # Our own, from a worker of ours.
+        return [
+            (self._pending.pop(f.key)[0], pickle.loads(v)) for f, v in zip(done, each, strict=True)
+        ]
+
+    @property
+    def pending_count(self) -> int:
+        """How many calls are out."""
+        return len(self._pending)
+
+    def cancel_all(self) -> None:
+        """Take back what is out."""
+        futures = [future for _, future in self._pending.values()]
+        self._pending.clear()
+        if futures and not self.connection_lost:
+            with suppress(OSError, TimeoutError, RuntimeError):  # it may be lost just now
+                self._client.cancel(futures)
+
+    @contextmanager
+    def _cancelled_if_lost(self) -> Generator[None, None, None]:
+        """Raise what a lost scheduler raises as `CancelledError`."""
         try:
-            return self._executor.submit(fn, *args, **kwargs)
+            yield
         except Exception as error:
             if self.connection_lost:
                 raise CancelledError from error
@@ -143,11 +217,41 @@ class DaskExecutor(Executor):
 
     @property
     def worker_threads(self) -> int:
-        """How many threads of workers there are now; 1 where the scheduler does not answer."""
-        try:
-            return sum(self._client.ncores().values())
-        except (OSError, TimeoutError, RuntimeError, AttributeError):
-            return 1  # its client is closed, or closing: the shards it loses show that
+        """How many threads of workers there are; 1 where the scheduler does not answer.
+
+        Some, and not none, are counted again after `WORKER_COUNT_AGE_S`.
+        """
+        if not self._threads or monotonic() - self._counted > WORKER_COUNT_AGE_S:
+            self._counted = monotonic()
+            try:
+                self._threads = sum(self._client.ncores().values())
+            except (OSError, TimeoutError, RuntimeError, AttributeError):
+                self._threads = 1  # its client is closed, or closing: what it loses tells that
+        return self._threads
+
+
+def _call_to_bytes(call: Callable[[], Any]) -> bytes:
+    """Make a call on a worker, and return what it returned as bytes.
+
+    Dask sends each array of a result by itself: dozens a shard, which cost more than their bytes.
+    """
+    return pickle.dumps(call(), protocol=pickle.HIGHEST_PROTOCOL)
+
+
+def _job_holder(name: str, job: bytes) -> Any:
+    """Return the plugin by which workers hold a job."""
+    dask: Any = import_module("distributed")
+
+    class JobHolder(dask.WorkerPlugin):
+        def setup(self, worker: Any) -> None:
+            del worker
+            hold_shard_job(name, job)
+
+        def teardown(self, worker: Any) -> None:
+            del worker
+            forget_shard_job(name)
+
+    return JobHolder()
 
 
 class ProcessExecutor(ProcessPoolExecutor):

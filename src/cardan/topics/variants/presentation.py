@@ -122,6 +122,12 @@ def yield_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterat
             low=percent_text(low, say, 2),
             high=percent_text(high, say, 2),
         )
+    if of.variants.ask.yield_only:
+        yield say(
+            "Only the yield was evaluated: {count} variants failed without rubber and were not "
+            "evaluated on rubber. Limits and variants have no table.",
+            count=of.stopped_count,
+        )
     if of.lower_bound_share:
         yield say(
             "Not shown to pass: {share} do not fail, and have a value that is a lower bound (≥), "
@@ -256,7 +262,8 @@ def percent_text_as_stated(value: float, say: Translator) -> str:
 def result_tables(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[Table]:
     """Yield what varies, and what each limit came to, the worst first."""
     yield _varied(of, say)
-    yield _limits(of, say)
+    if not of.variants.ask.yield_only:
+        yield _limits(of, say)
     if "tighter" in of.statistics:
         yield _tighter(of, say)
     if "sobol" in of.statistics:
@@ -311,7 +318,12 @@ def spread_text(of: SampledVariable, say: Translator) -> str:
 
 
 def limits_by_failures(of: VariantStudyResult) -> list[int]:
-    """Return the limits that have answers, those first that fail most often."""
+    """Return the limits that have answers, those first that fail most often.
+
+    None where only the yield was evaluated: not every variant answered each.
+    """
+    if of.variants.ask.yield_only:
+        return []
     counts, values = (
         of.statistics["counts"]["grades"] / of.independent_count,
         of.statistics["values"],
@@ -376,12 +388,13 @@ def _tighter(of: VariantStudyResult, say: Translator) -> Table:
     passes, error = halved_tolerance_yields(of.statistics["tighter"])
     rows: list[tuple[float, tuple[str, ...]]] = []
     for t, factor in enumerate(of.tolerance_factors):
-        gains = passes[t, 1:] - (1 - of.statistics["counts"]["grades"][:, 2] / of.independent_count)
-        best = int(gains.argmax())
-        helps = gains[best] > 2 * error[t, 1 + best]
+        fails = of.statistics["counts"]["grades"][: passes.shape[1] - 1, 2] / of.independent_count
+        gains = passes[t, 1:] - (1 - fails)
+        best = int(gains.argmax()) if gains.size else None
+        helps = best is not None and gains[best] > 2 * error[t, 1 + best]
         rows.append(
             (
-                -(passes[t, 0] + 1e-6 * gains[best]),
+                -(passes[t, 0] + 1e-6 * gains.max(initial=0.0)),
                 (
                     of.sampling_plan.name_of(factor),
                     spread_text(factor, say),
@@ -390,7 +403,7 @@ def _tighter(of: VariantStudyResult, say: Translator) -> Table:
                     say.with_decimal_sign(f"{100 * (passes[t, 0] - of.yield_):+.1f} %"),
                     f"{limit_label(of, best, say)} "
                     f"{say.with_decimal_sign(f'{100 * gains[best]:+.1f} %')}"
-                    if helps
+                    if helps and best is not None
                     else "-",
                 ),
             )

@@ -49,7 +49,7 @@ def figures(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[Figur
     if "sobol" in of.statistics:
         for column in sobol_columns(of):
             yield sobol_figure(of, column, say)
-    if len(of.sampling_plan.names) > 1:
+    if len(of.sampling_plan.names) > 1 and "first" in of.statistics:
         yield parallel_coordinates_figure(of, say)
     for chart, state in of.maps:
         yield yield_map_figure(of, chart, state, say)

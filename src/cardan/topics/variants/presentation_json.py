@@ -50,7 +50,7 @@ def json_document(of: VariantStudyResult) -> dict[str, Any]:
         "shares": of.shares,
         "cannot_exist": int(counts["refused"]),
         "lower_bounds_alone": of.lower_bound_share,
-        "limits": [_limit(of, k) for k in range(len(of.limits))],
+        "limits": [] if ask.yield_only else [_limit(of, k) for k in range(len(of.limits))],
         "worst": [
             {
                 "variant": int(place),
@@ -80,6 +80,8 @@ def json_document(of: VariantStudyResult) -> dict[str, Any]:
             "clopper_pearson": list(of.interval()),
             "wilson": list(of.interval(exact=False)),
         }
+    if ask.yield_only:
+        found["yield"]["not_evaluated_on_rubber"] = of.stopped_count
     if "tighter" in of.statistics:
         passes, error = halved_tolerance_yields(of.statistics["tighter"])
         found["halved_tolerances"] = [

@@ -1,8 +1,9 @@
 """A study of many variants, shard by shard: in threads, processes or on a cluster.
 
-A shard is a stretch of variants. Every worker draws the same, and its statistics are
-joined in the order of the shards, so the answer is the same to the last bit however it was
-computed: at once, by many, or in pieces after the computer went down.
+A shard is a stretch of variants. Whoever asks it draws the same, and what is told of it is
+joined in a fixed order, so the answer is the same to the last bit however it was
+computed: at once, by many, or in pieces after the computer went down. A cluster is handed several
+shards at a time, as many as take it `MAX_TASK_S`, and merges them where they were computed.
 """
 
 from collections.abc import Callable, Generator, Mapping
@@ -13,7 +14,8 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import partial
 from importlib import import_module
 from os import cpu_count
 from pathlib import Path
@@ -37,17 +39,22 @@ from cardan.topics.variants.pareto import evolve_pareto_front
 from cardan.topics.variants.rare_failure import RareFailureEstimate, estimate_rare_failure
 from cardan.topics.variants.sampling import SamplingMethod
 from cardan.topics.variants.shard_job import (
+    ComputedShards,
     ShardJob,
     ShardResult,
-    compute_shard,
+    compute_shards,
     file_stamps,
     serialise_shard_job,
 )
 from cardan.topics.variants.shard_store import ShardStore
+from cardan.topics.variants.shard_tree import (
+    ShardNode,
+    merged_statistics,
+    next_node,
+    shards_of,
+)
 from cardan.topics.variants.statistics import (
     StatisticState,
-    StreamingStatistic,
-    merge_states,
     requested_statistics,
 )
 from cardan.topics.variants.study_result import (
@@ -69,7 +76,21 @@ WORKER_TIMEOUT_S = 10.0
 """Seconds without a shard after which a cluster is checked for workers."""
 
 QUEUE_DEPTH_PER_WORKER = 3
-"""Shards handed out for each worker: what waits costs memory."""
+"""Tasks handed out for each worker: what waits costs memory."""
+
+QUEUE_DEPTH_PER_CLUSTER_WORKER = 8
+"""The same of a cluster, which is handed half of it at a time: the more, the less each costs."""
+
+TASKS_PER_WORKER_AT_LAST = 3
+"""Into so many tasks for each worker of a cluster is cut what is left: all end about together."""
+
+TASK_OVERHEAD_S = 2.5e-3
+"""Processor time of client and scheduler for a task. Tasks take so long that handing them out keeps
+the two busy half of the time at most."""
+
+MAX_TASK_S = 30.0
+"""Seconds that shards handed to a cluster's worker at once take at most; half of that at least,
+if there are enough. A lost worker costs as much."""
 
 
 def run_study(
@@ -128,9 +149,10 @@ def run_study(
     )
     spans = [(k, min(k + size, count)) for k in range(0, count, size)]
     store = ShardStore.open(folder, job, size, count=count, resume=resume) if folder else None
-    found: dict[int, ShardResult] = {}
+    found: dict[ShardNode, ShardResult] = {}
     done = {k for k, span in enumerate(spans) if store and store.contains(k, span)}
-    damaged = sum(store.is_damaged(k) for k in range(len(spans)) if k not in done) if store else 0
+    damaged = store.damaged_records if store else 0
+    damaged += sum(store.lacks_rows(k) for k in range(len(spans)) if k not in done) if store else 0
     before, begun = sum(spans[k][1] - spans[k][0] for k in done), perf_counter()
     finished = before
 
@@ -141,17 +163,18 @@ def run_study(
             damaged=damaged,
         ))  # fmt: skip
 
-    def keep(k: int, got: ShardResult) -> None:
+    def keep(node: ShardNode, got: ShardResult) -> None:
         nonlocal finished, stamps
         if stamps != (stamps := file_stamps(job)) and (other := job.changed_inputs):
             msg = f"{other} changed while the study ran: begin it anew"
             raise DesignError(msg)
+        shards = shards_of(node)
         if store:
-            store.save(k, spans[k], got, job)
+            store.save(shards[0], spans[shards[0]], got, job)
         else:
-            found[k] = got
-        done.add(k)
-        finished += spans[k][1] - spans[k][0]
+            found[node] = got
+        done.update(shards)
+        finished += spans[shards[-1]][1] - spans[shards[0]][0]
         now(finished)
 
     now(before)
@@ -160,13 +183,22 @@ def run_study(
     try:
         _run_shards(
             job, {k: spans[k] for k in todo}, keep, executor=executor, workers=workers,
+            merged=store is None and not job.row_precision,
             idle=lambda: now(finished, idle=True),
         )  # fmt: skip
     except KeyboardInterrupt:
         stopped = True
         if not done:
             raise
-    told = _merged_statistics(bench, variants, store, found, sorted(done))
+    finally:
+        if store:
+            store.close()
+    if store:
+        store.put_in_order()
+    each = {(0, k): store.load(k) for k in sorted(done)} if store else (
+        {node: r.statistics for node, r in found.items()}
+    )  # fmt: skip
+    told = dict(merged_statistics(requested_statistics(bench, variants.ask), each))
     if asked.search and not stopped:
         try:
             told["pareto"] = evolve_pareto_front(
@@ -189,7 +221,7 @@ def run_study(
         variants=variants,
         requested_count=count,
         statistics=told,
-        rows=_rows_in_memory(bench, found, dict(enumerate(spans))),
+        rows=_rows_in_memory(bench, found, spans),
         rare_failures=tuple(r for r in hardly if not r.is_negligible),
         negligible_failures=tuple(r for r in hardly if r.is_negligible),
         surrogate_yield=None
@@ -213,44 +245,93 @@ def run_study(
 def _run_shards(
     job: ShardJob,
     spans: Mapping[int, tuple[int, int]],
-    keep: Callable[[int, ShardResult], None],
+    keep: Callable[[ShardNode, ShardResult], None],
     *,
     executor: Executor | None,
     workers: int | None,
+    merged: bool,
     idle: Callable[[], None],
 ) -> None:
-    """Have shards evaluated, and keep each as it comes; report while no worker is there."""
-    stop = Event()
+    """Have shards asked, and keep each as it comes; say so while nobody is there to ask.
+
+    Workers of a cluster return them `merged` where nobody needs each.
+    """
+    stop, cluster = Event(), executor if isinstance(executor, DaskExecutor) else None
 
     def there() -> int:
-        return executor.worker_threads if isinstance(executor, DaskExecutor) else cpu_count() or 1
+        return cluster.worker_threads if cluster else cpu_count() or 1
 
-    with _open_workers(executor, workers or there()) as (of, own):
-        parcel = b"" if own else serialise_shard_job(job)
-        pending: dict[Future[ShardResult], int] = {}
-        waiting = iter(spans.items())
+    def here(span: tuple[int, int]) -> ComputedShards:
+        return ComputedShards(results=(job.run_shard(*span, stop),), seconds=0.0)
+
+    with _open_workers(executor, workers or there()) as (of, own), ExitStack() as stack:
+        parcel: bytes | str = b"" if own else serialise_shard_job(job)
+        if cluster and spans:
+            assert isinstance(parcel, bytes)
+            parcel = stack.enter_context(cluster.held_by_workers(parcel))
+        tasks = cluster or _ExecutorTasks(of)
+        depth = QUEUE_DEPTH_PER_CLUSTER_WORKER if cluster else QUEUE_DEPTH_PER_WORKER
+        todo, at, seconds = sorted(spans), 0, 0.0
+
+        def call_of(node: ShardNode) -> Callable[[], ComputedShards]:
+            some = [spans[k] for k in shards_of(node)]
+            return partial(here, *some) if own else partial(
+                compute_shards, parcel, some, merged=merged
+            )  # fmt: skip
+
         try:
-            while True:
-                most = max(there() if workers is None else workers, 1) * QUEUE_DEPTH_PER_WORKER
-                while len(pending) < most and (one := next(waiting, None)):
-                    k, span = one
-                    pending[
-                        of.submit(job.run_shard, *span, stop)
-                        if own
-                        else of.submit(compute_shard, parcel, *span)
-                    ] = k
-                if not pending:
-                    return
-                done = wait(pending, timeout=WORKER_TIMEOUT_S, return_when=FIRST_COMPLETED).done
+            while at < len(todo) or tasks.pending_count:
+                many = max(there() if workers is None else workers, 1)
+                # A cluster's workers get one shard each until the time it takes is known.
+                slots = many if cluster and not seconds else many * depth
+                if at < len(todo) and tasks.pending_count <= slots // 2:
+                    calls: dict[ShardNode, Callable[[], ComputedShards]] = {}
+                    while at < len(todo) and tasks.pending_count + len(calls) < slots:
+                        left = (len(todo) - at) / many / TASKS_PER_WORKER_AT_LAST * seconds
+                        most = min(MAX_TASK_S, max(left, 2 * many * TASK_OVERHEAD_S))
+                        node = next_node(todo, at, most / seconds if cluster and seconds else 1)
+                        at += len(shards_of(node))
+                        calls[node] = call_of(node)
+                    tasks.submit_all(calls)
+                done = tasks.finished(WORKER_TIMEOUT_S)
                 if not done and not there():
                     idle()
-                for future in done:
-                    keep(pending.pop(future), future.result())
+                for node, got in done:
+                    seconds = got.seconds / len(shards_of(node))
+                    nodes = [node] if len(got.results) == 1 else [(0, k) for k in shards_of(node)]
+                    for own_node, result in zip(nodes, got.results, strict=True):
+                        keep(own_node, result)
         finally:
             stop.set()
-            if not (isinstance(executor, DaskExecutor) and executor.connection_lost):
-                for future in pending:
-                    future.cancel()
+            tasks.cancel_all()
+
+
+class _ExecutorTasks:
+    """Calls that an executor of `concurrent.futures` makes."""
+
+    def __init__(self, of: Executor) -> None:
+        self._executor = of
+        self._pending: dict[Future[ComputedShards], ShardNode] = {}
+
+    @property
+    def pending_count(self) -> int:
+        """How many are out."""
+        return len(self._pending)
+
+    def submit_all(self, calls: Mapping[ShardNode, Callable[[], ComputedShards]]) -> None:
+        """Hand out calls."""
+        for node, call in calls.items():
+            self._pending[self._executor.submit(call)] = node
+
+    def finished(self, timeout: float) -> list[tuple[ShardNode, ComputedShards]]:
+        """Return calls that are done, each with what it returned; wait for one."""
+        done = wait(self._pending, timeout=timeout, return_when=FIRST_COMPLETED).done
+        return [(self._pending.pop(future), future.result()) for future in done]
+
+    def cancel_all(self) -> None:
+        """Take back what is out."""
+        for future in self._pending:
+            future.cancel()
 
 
 @contextmanager
@@ -269,25 +350,6 @@ def _open_workers(
         yield own, True
 
 
-def _merged_statistics(
-    bench: VariantEvaluator,
-    variants: VariantStudy,
-    store: "ShardStore | None",
-    found: Mapping[int, ShardResult],
-    done: list[int],
-) -> dict[str, StatisticState]:
-    """Return what shards come to together, in their order."""
-    every: dict[str, StreamingStatistic] = requested_statistics(bench, variants.ask)
-    total: dict[str, StatisticState] = {}
-    for k in done:
-        states = store.load(k) if store else found[k].statistics
-        total = {
-            n: merge_states(r, [total[n], states[n]]) if total else states[n]
-            for n, r in every.items()
-        }
-    return total
-
-
 def _rarely_failing_limits(bench: VariantEvaluator, counts: StatisticState) -> list[int]:
     """Return the places of the limits that hardly ever failed."""
     fails, answered = counts["grades"][:, 2], counts["grades"][:, :3].sum(-1)
@@ -299,10 +361,10 @@ def _rarely_failing_limits(bench: VariantEvaluator, counts: StatisticState) -> l
 
 
 def _rows_in_memory(
-    bench: VariantEvaluator, found: Mapping[int, ShardResult], spans: Mapping[int, tuple[int, int]]
+    bench: VariantEvaluator, found: Mapping[ShardNode, ShardResult], spans: list[tuple[int, int]]
 ) -> EvaluatedVariants | None:
     """Return each variant, where they were kept in memory."""
-    kept = {k: found[k].rows for k in sorted(found)}
+    kept = {k: found[0, k].rows for _, k in sorted(found) if (0, k) in found}
     parts = [(spans[k], rows) for k, rows in kept.items() if rows is not None]
     if not parts:
         return None

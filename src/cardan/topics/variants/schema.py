@@ -151,6 +151,10 @@ class RequestedStatisticsTable(Table):
     fixed = True
 
     yield_: bool = table_key_field("the share that may be built, with its interval", default=True)
+    yield_only: bool = table_key_field(
+        "nothing else: what fails without rubber is not evaluated on rubber, which is faster",
+        default=False,
+    )
     confidence: Annotated[float, _SHARE] = table_key_field("of the interval", default=0.95)
     quantiles: Annotated[tuple[float, ...], ListField(_SHARE, most=20)] = table_key_field(
         "of each limit's value and margin", default=()
@@ -185,16 +189,24 @@ class RequestedStatisticsTable(Table):
         """Return what is computed."""
         if self.search and not self.pareto:
             self.reader_of("search").reject("needs pareto", "say there what is weighed")
+        asked: dict[str, Any] = {
+            "yield_": self.yield_, "quantiles": tuple(sorted(self.quantiles)), "sobol": self.sobol,
+            "pareto": self.pareto, "maps": self.maps, "rare": self.rare, "foretold": self.foretold,
+            "rows": self.rows,
+        }  # fmt: skip
         for k, goal in enumerate(self.pareto):
             if goal in self.pareto[:k]:
                 # Against itself nothing is weighed.
                 self.reader_of("pareto", k + 1).reject(
                     "is weighed already", "name each once", got=goal
                 )
+        if self.yield_only and (others := VariantOutputs(**asked).excluded_by_yield_only):
+            self.reader_of("yield_only").reject(
+                "reports nothing but the yield", f"remove {', '.join(others)}"
+            )
         return VariantOutputs(
-            yield_=self.yield_, confidence=self.confidence, quantiles=tuple(sorted(self.quantiles)),
-            worst=self.worst, sobol=self.sobol, pareto=self.pareto, maps=self.maps, rows=self.rows,
-            limits=self.limits, rare=self.rare, search=self.search, foretold=self.foretold,
+            **asked, yield_only=self.yield_only, confidence=self.confidence, worst=self.worst,
+            limits=self.limits, search=self.search,
         )  # fmt: skip
 
 

@@ -70,7 +70,8 @@ def screen_lines(
     doubts = list(doubt_sentences(of, say))
     room = MAX_LINES - len(head) - len(deciding) - len(below)
     most = min(MAX_TABLE_LINES, room - 1 - (MIN_DOUBT_LINES if doubts else 0))
-    table = _limit_lines(of, say, width, max(most, MIN_TABLE_LINES))
+    limits = not of.variants.ask.yield_only
+    table = _limit_lines(of, say, width, max(most, MIN_TABLE_LINES)) if limits else []
     yield from (*head, *table, *deciding)
     if doubts:
         yield bold(say("Before you sign"))

@@ -6,13 +6,14 @@ another.
 
 import json
 import pickle
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache, lru_cache
 from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 from threading import Event
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from cardan.topics.variants.evaluation import (
     VariantEvaluator,
 )
 from cardan.topics.variants.sampling import SamplingMethod
+from cardan.topics.variants.shard_tree import merged_statistics
 from cardan.topics.variants.statistics import (
     StatisticState,
     requested_statistics,
@@ -145,11 +147,47 @@ def deserialise_shard_job(job: bytes) -> ShardJob:
     return pickle.loads(job)
 
 
-def compute_shard(job: bytes, start: int, stop: int) -> ShardResult:
-    """Return a shard, wherever this is called."""
-    import_module("scipy.linalg")  # before it is looked for: another thread would load it meanwhile
+_HELD_JOBS: dict[str, bytes] = {}
+"""Jobs that a worker was sent once, by their names."""
+
+
+def hold_shard_job(name: str, job: bytes) -> None:
+    """Keep a job in this process, so that shards come with its name alone."""
+    _HELD_JOBS[name] = job
+
+
+def forget_shard_job(name: str) -> None:
+    """Keep it no longer."""
+    _HELD_JOBS.pop(name, None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComputedShards:
+    """Shards one after the other, each or merged, and the seconds they took."""
+
+    results: tuple[ShardResult, ...]
+    seconds: float
+
+
+def compute_shards(
+    job: bytes | str, spans: Sequence[tuple[int, int]], *, merged: bool = False
+) -> ComputedShards:
+    """Return the shards of a node, wherever this is called: each, or `merged` to one.
+
+    `job` is what `serialise_shard_job` returned, or the name of one that is held here.
+    """
+    import_module(
+        "scipy.linalg"
+    )  # before it is looked for: a thread beside would load it meanwhile
+    begun = perf_counter()
     with single_threaded_blas(), retain_freed_memory():
-        return deserialise_shard_job(job).run_shard(start, stop)
+        known = deserialise_shard_job(_HELD_JOBS[job] if isinstance(job, str) else job)
+        found = tuple(known.run_shard(*span) for span in spans)
+    if merged and len(found) > 1:
+        every = requested_statistics(known.evaluator, known.variants.ask)
+        told = merged_statistics(every, {(0, k): r.statistics for k, r in enumerate(found)})
+        found = (ShardResult(statistics=told),)
+    return ComputedShards(results=found, seconds=perf_counter() - begun)
 
 
 def fingerprints(application: Application, variants: VariantStudy) -> dict[str, str]:

@@ -1,14 +1,17 @@
 """A folder that keeps the shards of a study, so that it can be resumed."""
 
+import errno
 import json
-from collections.abc import Mapping
+import os
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cache
 from hashlib import file_digest, sha256
 from io import BytesIO
 from pathlib import Path
-from typing import Any, cast
+from time import perf_counter
+from typing import Any, BinaryIO, cast
 
 import numpy as np
 
@@ -25,11 +28,21 @@ from cardan.topics.variants.shard_job import (
     ShardResult,
     differing_inputs,
 )
+from cardan.topics.variants.shard_log import (
+    LogEntry,
+    log_entries,
+    log_record,
+    record_arrays,
+    record_of,
+)
 from cardan.topics.variants.statistics import (
     StatisticState,
 )
 
-MANIFEST_FILE_NAME = "manifest.json"
+MANIFEST_FILE_NAME, SHARD_LOG_FILE_NAME = "manifest.json", "shards.log"
+
+SYNC_INTERVAL_S = 1.0
+"""s: shards of the last second may be lost by a power cut, and are then computed again."""
 
 
 # --------------------------------------------------------------------------- rows
@@ -81,17 +94,25 @@ def _read_manifest(path: Path) -> dict[str, Any]:
     raise DesignError(msg)
 
 
-@dataclass(frozen=True, kw_only=True)
 class ShardStore:
-    """A folder with a study's shards: each there whole, or not at all; its `rows` before it.
+    """A folder with a study's shards, in one file that is appended to; the `rows` of each before.
 
-    A shard holds a digest of its statistics and of its file of rows. One that does not match,
-    or that an older version wrote without a digest, is computed again.
+    A shard holds a digest of its statistics and of its file of rows. One that does not match is
+    computed again.
+
+    Attributes
+    ----------
+    damaged_records
+        How many stretches of the file are no record: cut short, or changed.
     """
 
-    folder: Path
-    size: int
-    keeps_rows: bool
+    def __init__(self, folder: Path, *, keeps_rows: bool) -> None:
+        self.folder, self._keeps_rows = folder, keeps_rows
+        self._path, self._file = folder / SHARD_LOG_FILE_NAME, None
+        self._synced = perf_counter()
+        every = list(log_entries(self._path))
+        self.damaged_records = every.count(None)
+        self._entries: dict[int, LogEntry] = {e.about["shard"]: e for e in every if e}
 
     @classmethod
     def open(
@@ -106,10 +127,8 @@ class ShardStore:
             without `resume`.
         """
         folder.mkdir(parents=True, exist_ok=True)
-        manifest, found = (
-            folder / MANIFEST_FILE_NAME,
-            cls(folder=folder, size=size, keeps_rows=bool(job.row_precision)),
-        )
+        manifest = folder / MANIFEST_FILE_NAME
+        found = cls(folder, keeps_rows=bool(job.row_precision))
         now = {
             **job.fingerprints,
             "title": job.application.title,
@@ -119,7 +138,7 @@ class ShardStore:
             "points": job.evaluator.sampling_plan.method,
         }
         if not manifest.exists():
-            if any(folder.glob("shard-*.npz")):
+            if (folder / SHARD_LOG_FILE_NAME).exists():
                 msg = (
                     f"{folder} holds shards, but no {MANIFEST_FILE_NAME} says of which study: "
                     f"name another "
@@ -147,40 +166,28 @@ class ShardStore:
     @property
     def stored_count(self) -> int:
         """Behind which place no variant is there."""
-        spans = (self._span(path) for path in self.folder.glob("shard-*.npz"))
-        return max((stop for _, stop in filter(None, spans)), default=0)
+        return max((e.about["span"][1] for e in self._entries.values()), default=0)
 
     def contains(self, k: int, span: tuple[int, int]) -> bool:
         """Return whether a shard of this stretch is there, with its rows; no shorter one."""
-        return self._stored_span(k) == span
+        entry = self._entries.get(k)
+        return entry is not None and entry.about["span"] == list(span) and not self.lacks_rows(k)
 
-    def is_damaged(self, k: int) -> bool:
-        """Return whether a shard is there that is not as it was written, or has no digest."""
-        return self._path(k).exists() and self._stored_span(k) is None
-
-    def _stored_span(self, k: int) -> tuple[int, int] | None:
-        """Return the stretch of a shard whose statistics and rows are as they were written."""
-        found = _stored_arrays(self._path(k))
-        if found is None:
-            return None
-        rows = str(found["rows"])
-        if self.keeps_rows and rows not in map(_file_digest, self._rows_paths(k)):
-            return None
-        start, stop = found["span"].tolist()
-        return start, stop
-
-    @staticmethod
-    def _span(path: Path) -> tuple[int, int] | None:
-        """Return the stretch that a shard names, in whatever state it is; None without one."""
-        try:
-            with path.open("rb") as whole, np.load(whole) as file:
-                start, stop = file["span"].tolist()
-                return start, stop
-        except Exception:  # noqa: BLE001  damage can come out as any error
-            return None
+    def lacks_rows(self, k: int) -> bool:
+        """Return whether a shard is there whose rows are lost, or not as they were written."""
+        entry = self._entries.get(k)
+        if entry is None or not self._keeps_rows:
+            return False
+        return entry.about["rows"] not in map(_file_digest, self._rows_paths(k))
 
     def save(self, k: int, span: tuple[int, int], shard: ShardResult, job: ShardJob) -> None:
-        """Keep a shard: its rows first, so that where the rest is they are too."""
+        """Keep a shard: its rows first, so that where the rest is they are too.
+
+        Raises
+        ------
+        InvalidFileError
+            If the file cannot be written.
+        """
         rows_digest = ""
         if shard.rows and job.row_precision:
             inputs, answers = shard.rows
@@ -191,20 +198,65 @@ class ShardStore:
                 job.evaluator.sampling_plan.independent(*span),
             )
             rows_digest = self._write_rows(k, _row_columns(rows, job.row_precision))
-        arrays = {f"{n}/{a}": v for n, state in shard.statistics.items() for a, v in state.items()}
-        arrays |= {"span": np.array(span), "rows": np.array(rows_digest)}
-        arrays["digest"] = np.array(_digest(arrays))
-        writer.write_atomically(self._path(k), _npz_bytes(arrays), replace=True)
+        about = {"shard": k, "span": list(span), "rows": rows_digest}
+        record = log_record(
+            about,
+            {f"{n}/{a}": v for n, state in shard.statistics.items() for a, v in state.items()},
+        )
+        try:
+            if self._file is None:
+                self._file = self._path.open("ab", buffering=0)
+            if self._file.write(record) < len(record):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            offset = self._file.tell() - len(record)
+            if perf_counter() - self._synced > SYNC_INTERVAL_S:
+                os.fsync(self._file.fileno())
+                self._synced = perf_counter()
+        except OSError as error:
+            raise writer.write_error(self._path, error) from None
+        self._entries[k] = LogEntry(offset=offset, length=len(record), about=about)
 
     def load(self, k: int) -> dict[str, StatisticState]:
         """Return the statistics of a shard."""
         found: dict[str, dict[str, Any]] = {}
-        with np.load(self._path(k)) as file:
-            for name in file.files:
-                of, slash, array = name.partition("/")
-                if slash:
-                    found.setdefault(of, {})[array] = file[name]
+        with self._path.open("rb") as file:
+            for path, array in record_arrays(self._record(file, k)).items():
+                name, _, key = path.partition("/")
+                found.setdefault(name, {})[key] = array
         return dict(found)
+
+    def close(self) -> None:
+        """Let what was written survive a power cut, and end writing."""
+        if self._file is not None:
+            with self._file as file:
+                os.fsync(file.fileno())
+            self._file = None
+
+    def put_in_order(self) -> None:
+        """Write the file anew with each shard once, in their order, if it is not so already."""
+        self.close()
+        order = [self._entries[k] for k in sorted(self._entries)]
+        ends = [0, *(e.offset + e.length for e in order)]
+        if [e.offset for e in order] == ends[:-1] and ends[-1] == self._path.stat().st_size:
+            return
+
+        def records() -> Iterator[bytes]:
+            with self._path.open("rb") as file:
+                for k in sorted(self._entries):
+                    yield self._record(file, k)
+
+        writer.write_atomically(self._path, records(), replace=True)
+        at = 0
+        for k, entry in sorted(self._entries.items()):
+            self._entries[k] = replace(entry, offset=at)
+            at += entry.length
+
+    def _record(self, file: BinaryIO, k: int) -> bytes:
+        found = record_of(file, self._entries[k])
+        if found is None:
+            msg = f"{self._path} was changed by another run: end that, then go on with --resume"
+            raise DesignError(msg)
+        return found
 
     def _write_rows(self, k: int, rows: Mapping[str, Any]) -> str:
         """Write the variants of a shard in place of what stood for them; return their digest."""
@@ -223,30 +275,6 @@ class ShardStore:
     def _rows_paths(self, k: int) -> tuple[Path, Path]:
         """Return where the variants of a shard stand, as a table or where PyArrow is missing."""
         return self.folder / f"rows-{k:06d}.parquet", self.folder / f"rows-{k:06d}.npz"
-
-    def _path(self, k: int) -> Path:
-        return self.folder / f"shard-{k:06d}.npz"
-
-
-def _stored_arrays(path: Path) -> dict[str, Any] | None:
-    """Return the arrays of a shard; None where they do not match their digest, or have none."""
-    try:
-        with path.open("rb") as whole, np.load(whole) as file:
-            found = {name: file[name] for name in file.files}
-        digest = str(found.pop("digest"))
-    except Exception:  # noqa: BLE001  damage can come out as any error
-        return None
-    return found if digest == _digest(found) else None
-
-
-def _digest(arrays: Mapping[str, Any]) -> str:
-    """Return the SHA-256 of arrays with their names, types and shapes."""
-    found = sha256()
-    for name in sorted(arrays):
-        array = np.asarray(arrays[name])
-        found.update(repr((name, array.dtype.str, array.shape)).encode())
-        found.update(array.tobytes())
-    return found.hexdigest()
 
 
 def _file_digest(path: Path) -> str | None:

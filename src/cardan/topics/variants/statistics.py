@@ -5,7 +5,7 @@ that they can be kept in a file. Joined in the order of the shards they come to 
 the last bit, whichever worker computed them and whenever.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Protocol, TypeAlias
@@ -61,12 +61,13 @@ def requested_statistics(
     drawn = bench.sampling_plan
     found: dict[str, StreamingStatistic] = {
         "counts": VerdictCounts(),
-        "worst": WorstVariants(max_count=ask.worst),
+        "worst": WorstVariants(max_count=0 if ask.yield_only else ask.worst),
     }
-    found["values"] = QuantileSketch()
-    found["first"] = FirstVariantSamples()
+    if not ask.yield_only:
+        found["values"] = QuantileSketch()
+        found["first"] = FirstVariantSamples()
     if any(f.tolerance for f in drawn.factors):
-        found["tighter"] = ToleranceTightening(sampling_plan=drawn)
+        found["tighter"] = ToleranceTightening(sampling_plan=drawn, yield_only=ask.yield_only)
     if drawn.method == "saltelli":
         found["sobol"] = SobolSamplePairs(factors=len(drawn.factors))
     if ask.foretold:
@@ -80,14 +81,6 @@ def requested_statistics(
     return found
 
 
-def merge_states(reduction: StreamingStatistic, states: Sequence[StatisticState]) -> StatisticState:
-    """Return the state of several shards in order."""
-    total = states[0]
-    for state in states[1:]:
-        total = reduction.merge(total, state)
-    return total
-
-
 def _added(one: StatisticState, other: StatisticState) -> dict[str, Any]:
     return {name: one[name] + other[name] for name in one}
 
@@ -99,8 +92,9 @@ def _added(one: StatisticState, other: StatisticState) -> dict[str, Any]:
 class VerdictCounts:
     """How many variants come to what; of those drawn by themselves.
 
-    Of each limit besides: to which grade (pass, warn, fail, not evaluated), how often it is the
-    only one to fail, and how often its margin is the smallest.
+    Of each limit besides: to which grade (pass, warn, fail, no answer), how often it is the
+    only one to fail, and how often its margin is the smallest. `stopped` are those that a cheap
+    limit failed, of which other limits know nothing.
     """
 
     def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
@@ -122,6 +116,7 @@ class VerdictCounts:
             "first": least,
             "refused": np.array(a.infeasible[own].sum()),
             "bounded": np.array(rows.shown_by_bounds_alone[own].sum()),
+            "stopped": np.array(a.stopped[own].sum()),
         }
 
     def merge(self, one: StatisticState, other: StatisticState) -> StatisticState:
@@ -308,16 +303,19 @@ class ToleranceTightening:
     """
 
     sampling_plan: SamplingPlan
+    yield_only: bool = False
+    """Whether limits have no column: not every variant was evaluated for them."""
 
     def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the sums of a shard."""
         del start
         own = rows.independent
+        limits = 0 if self.yield_only else len(rows.limits)
         weight = halved_tolerance_weights(self.sampling_plan, rows.unit_points[own])
         passes = np.concatenate(
             [
                 (rows.grades <= WORST_ACCEPTABLE_VERDICT_INDEX)[None],
-                rows.results.grades != CHECK_GRADES.index("fail"),
+                rows.results.grades[:limits] != CHECK_GRADES.index("fail"),
             ]
         )[:, own].astype(float)
         square = weight**2

@@ -155,6 +155,11 @@ class VariantStudyResult:
         return acceptable_and_independent(self.statistics["counts"])[0]
 
     @property
+    def stopped_count(self) -> int:
+        """How many failed a limit without rubber, and were not evaluated on rubber."""
+        return int(self.statistics["counts"]["stopped"])
+
+    @property
     def lower_bound_share(self) -> float:
         """The share of variants that do not fail, and have a value that is a lower bound alone."""
         return int(self.statistics["counts"]["bounded"]) / self.independent_count

@@ -1,5 +1,6 @@
 """A study on a Dask cluster of two, by its address: what is killed there changes no bit."""
 
+import heapq
 import logging
 import os
 import signal
@@ -12,6 +13,7 @@ from contextlib import ExitStack, contextmanager
 from threading import Event
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -21,6 +23,10 @@ from cardan.core.arrays import MALLOC_TRIM_VARIABLE, retain_freed_memory
 from cardan.topics.variants import executors, runner
 from cardan.topics.variants.executors import DaskExecutor
 from cardan.topics.variants.presentation import progress_text
+from cardan.topics.variants.shard_job import ComputedShards
+from cardan.topics.variants.shard_log import log_entries
+from cardan.topics.variants.shard_store import SHARD_LOG_FILE_NAME
+from cardan.topics.variants.shard_tree import shards_of
 
 pytest.importorskip("distributed", reason="a cluster needs pip install 'cardan[cluster]'")
 
@@ -106,8 +112,8 @@ def cluster(tmp_path, schedulers):
 
 
 def kept(folder):
-    """Return the files of the shards there."""
-    return {p.name: p for p in folder.glob("shard-*.npz")}
+    """Return the shards there."""
+    return {e.about["shard"] for e in log_entries(folder / SHARD_LOG_FILE_NAME) if e}
 
 
 @pytest.mark.slow
@@ -125,19 +131,18 @@ def test_killed_cluster_study_resumes_with_identical_result(tmp_path, cluster):
         until(lambda: len(kept(out)) >= 3, "the first shards")
         os.kill(study.pid, signal.SIGKILL)
         study.wait()
-    before = {n: p.stat().st_mtime_ns for n, p in kept(out).items()}
+    before = kept(out)
     assert 3 <= len(before) < SHARDS
     # Then one of those who do it.
     with running(*there, "--resume") as study:
         until(lambda: len(kept(out)) >= len(before) + 3, "more shards")
         os.kill(workers[0].pid, signal.SIGKILL)
-        done = {n: p.stat().st_mtime_ns for n, p in kept(out).items()}
+        done = kept(out)
         assert len(done) < SHARDS
         assert study.wait(WAIT) == 0
     # What was done is done: the loss of a worker costs the shards it had.
-    after = {n: p.stat().st_mtime_ns for n, p in kept(out).items()}
-    assert before.items() <= done.items() <= after.items()
-    assert len(after) == SHARDS
+    assert before <= done
+    assert kept(out) == set(range(SHARDS))
     assert sorted(p.name for p in out.iterdir()) == sorted(p.name for p in whole.iterdir())
     for path in whole.iterdir():
         assert path.read_bytes() == (out / path.name).read_bytes(), path.name
@@ -197,33 +202,52 @@ def test_address_of_no_scheduler_is_rejected_with_reason(tmp_path, monkeypatch, 
     assert "line.yaml" not in error
 
 
+def same(one, other):
+    """Hold two studies against each other, to the last bit."""
+    for name, state in one.statistics.items():
+        for key, value in state.items():
+            np.testing.assert_array_equal(value, other.statistics[name][key], err_msg=name)
+
+
 class Waiting:
     """Stands for a client whose cluster gets a worker when it is told that it has none."""
 
     status = "running"
 
     def __init__(self):
-        self.begin, self.most, self.pending = Event(), 0, 0
+        self.begin, self.most, self.pending, self.plugins = Event(), 0, 0, {}
         self.threads = ThreadPoolExecutor(16)
 
     def ncores(self):
         return {"one": 4} if self.begin.is_set() else {}
 
     def get_executor(self):
-        return self
+        return None
 
-    def submit(self, fn, *args):
-        self.pending += 1
+    def register_plugin(self, plugin, *, name):
+        self.plugins[name] = plugin
+        plugin.setup(None)
+
+    def unregister_worker_plugin(self, name):
+        self.plugins.pop(name).teardown(None)
+
+    def map(self, fn, calls, *, pure):
+        assert not pure
+        self.pending += len(calls)
         self.most = max(self.most, self.pending)
 
-        def asked():
+        def asked(call):
             self.begin.wait()
-            try:
-                return fn(*args)
-            finally:
-                self.pending -= 1
+            return fn(call)
 
-        return self.threads.submit(asked)
+        found = [self.threads.submit(asked, call) for call in calls]
+        for future in found:
+            future.key, future.status = str(id(future)), "finished"
+        return found
+
+    def gather(self, futures):
+        self.pending -= len(futures)
+        return [future.result() for future in futures]
 
 
 def test_cluster_without_workers_is_reported_and_awaited(monkeypatch):
@@ -246,10 +270,66 @@ def test_cluster_without_workers_is_reported_and_awaited(monkeypatch):
         hear=hear,
     )
     assert found.count == 600
+    assert not client.plugins
+    alone = runner.run_study(application, application.variants, count=600, shard=20)
+    same(found, alone)
     assert any(p.idle and p.done == 0 for p in told)
     assert "no worker" in progress_text(next(p for p in told if p.idle))
     # Nobody there gets as much as one would; four, what keeps four at it.
-    assert 4 < client.most <= 4 * runner.QUEUE_DEPTH_PER_WORKER
+    assert 4 < client.most <= 4 * runner.QUEUE_DEPTH_PER_CLUSTER_WORKER
+
+
+class SimulatedCluster(DaskExecutor):
+    """Workers by a clock of its own: each shard takes as long, and nothing is computed."""
+
+    def __init__(self, workers, seconds):
+        self.free, self.seconds, self.clock = [0.0] * workers, seconds, 0.0
+        self.tasks, self.messages, self.out = [], 0, []
+
+    worker_threads = property(lambda self: len(self.free))
+    pending_count = property(lambda self: len(self.out))
+
+    @contextmanager
+    def held_by_workers(self, job):
+        del job
+        yield "job"
+
+    def submit_all(self, calls):
+        self.messages += 1
+        for node in calls:
+            took = self.seconds * len(shards_of(node))
+            self.tasks.append(took)
+            begun = max(heapq.heappop(self.free), self.clock)
+            heapq.heappush(self.free, begun + took)
+            heapq.heappush(self.out, (begun + took, node))
+
+    def finished(self, timeout):
+        del timeout
+        self.clock, node = heapq.heappop(self.out)
+        took = self.seconds * len(shards_of(node))
+        return [(node, ComputedShards(results=(None,), seconds=took))]
+
+    def cancel_all(self):
+        assert not self.out
+
+
+@pytest.mark.parametrize(
+    ("seconds", "shards", "busy", "long"), [(0.1, 195_000, 0.8, 0.0), (7.0, 60_000, 0.98, 0.8)]
+)
+def test_thousand_workers_are_kept_busy_by_few_long_tasks(seconds, shards, busy, long):
+    cluster, done = SimulatedCluster(1000, seconds), set()
+    runner._run_shards(
+        SimpleNamespace(), {k: (k, k + 1) for k in range(shards)},
+        lambda node, _: done.update(shards_of(node)), executor=cluster, workers=None, merged=True,
+        idle=lambda: None,
+    )  # fmt: skip
+    assert done == set(range(shards))
+    assert shards * seconds / 1000 / cluster.clock > busy
+    assert max(cluster.tasks) <= runner.MAX_TASK_S
+    assert sum(t for t in cluster.tasks if t > 10) >= long * shards * seconds
+    # Client and scheduler are not what all wait for, and calls go out hundreds at a time.
+    assert len(cluster.tasks) * runner.TASK_OVERHEAD_S < cluster.clock
+    assert cluster.messages < len(cluster.tasks) / 200
 
 
 @pytest.mark.slow

@@ -1,5 +1,7 @@
 """A sweep's variants are what a check says of each by itself."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,15 +13,22 @@ from cardan.approval.applied_adjustments import response_with_adjustments
 from cardan.approval.approval import approve_driveline
 from cardan.approval.driveline_study import line_checks
 from cardan.checks.line_response import compute_line_response
+from cardan.checks.quantities.registry import LINE_QUANTITIES
 from cardan.core.errors import InvalidFileError
 from cardan.core.labels import WHOLE_LINE, EvaluationCondition
 from cardan.core.provenance import Source
 from cardan.core.units import deg, mm
 from cardan.core.verdict import CHECK_GRADES, Check, Limit, worst_verdict
 from cardan.model.application import PermittedAdjustment
+from cardan.model.variants import VariantOutputs
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
 from cardan.render.phrases import worst_check_per_limit
-from cardan.topics.variants.evaluation import UNEVALUATED_GRADE_CODE, evaluate_variants
+from cardan.topics.variants.evaluation import (
+    UNEVALUATED_GRADE_CODE,
+    VariantEvaluator,
+    build_variants,
+    evaluate_variants,
+)
 
 TRUCK = ROOT / "examples" / "refuse-collector-6x2.yaml"
 SAME = 1e-9
@@ -216,3 +225,62 @@ def test_array_of_values_is_graded_like_single_values(limit, values, validity_ma
         )
         assert (CHECK_GRADES[grade], float(margin)) == (one.grade, one.margin)
     assert CHECK_GRADES[limit.grades(np.array([np.nan]))[0]] == "fail"
+
+
+def test_yield_alone_is_that_of_all_limits_and_stops_before_rubber(monkeypatch):
+    scatter = {"bearing_height_mm[*]": {"normal": 3.0}, "phase_deg[*]": {"normal": 4.0}}
+    moved = {"bearing_height_mm[2]": {"choice": [15]}, "shim_deg": {"choice": [0.5]}}
+    ask = VariantOutputs(limits=("joint_angle_min", "clearance", "spline_compression_utilisation"))
+    variants = build_variants(moved, scatter, ask=ask)
+    whole = VariantEvaluator.from_application(reader.read(TRUCK), variants)
+    every, count = whole.evaluate_range(0, 40), []
+    alone = replace(whole, yield_only=True)
+    evaluate = VariantEvaluator.evaluate
+
+    def counted(of, inputs):
+        asks = any(limit.quantity == "spline_compression_utilisation" for _, limit in of.limits)
+        count.append(len(inputs) * asks)
+        return evaluate(of, inputs)
+
+    monkeypatch.setattr(VariantEvaluator, "evaluate", counted)
+    found = alone.evaluate_range(0, 40)
+    assert found.verdicts == every.verdicts
+    assert len(set(found.verdicts)) > 1
+    stopped = found.results.stopped
+    assert 0 < stopped.sum() < 40
+    assert sum(count) == 40 - stopped.sum()
+    rubber = [LINE_QUANTITIES[limit.quantity].depends_on_mounts for _, limit in found.limits]
+    assert (found.results.grades[rubber][:, stopped] == UNEVALUATED_GRADE_CODE).all()
+    np.testing.assert_array_equal(
+        found.results.grades[np.logical_not(rubber)], every.results.grades[np.logical_not(rubber)]
+    )
+
+
+@pytest.mark.parametrize("varied", ["phase_deg[2]", "bearing_height_mm[1]"])
+def test_batch_that_varies_one_thing_gives_values_of_batch_that_varies_all(varied):
+    every = {n: {"normal": 1.0} for n in ("phase_deg[*]", "bearing_height_mm[*]", "shim_deg")}
+    bench = VariantEvaluator.from_application(reader.read(TRUCK), build_variants({}, every))
+    inputs = np.zeros((5, len(bench.sampling_plan.names)))
+    inputs[:, bench.sampling_plan.names.index(varied)] = [-3.0, -1.0, 0.0, 2.0, 4.0]
+    found, beside = bench.evaluate(inputs), bench.evaluate(np.vstack([inputs, inputs[:1] + 0.5]))
+    for name in ("values", "margins", "left"):
+        one, other = getattr(found, name), getattr(beside, name)[:, :-1]
+        largest = np.nanmax(np.abs(other), axis=1, keepdims=True, initial=1e-300)
+        np.testing.assert_allclose(one / largest, other / largest, rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(found.grades, beside.grades[:, :-1])
+    np.testing.assert_array_equal(found.bounded, beside.bounded[:, :-1])
+
+
+def test_layout_is_computed_once_if_phases_alone_vary():
+    response = approve_driveline(reader.read(TRUCK)).line_responses[0]
+    name = response.line.name
+    turned, lifted = (
+        PermittedAdjustment(adjustment_key=k, part=1, low=-1, high=1, line=name)
+        for k in ("phase", "bearing_height")
+    )
+    amounts = np.array([[0.01, 0.0], [0.02, 0.0], [0.03, 0.0]])
+    found = response_with_adjustments(response, (turned, lifted), amounts, shared=True)
+    assert found.joint_angles.shape[0] == 1
+    assert LINE_QUANTITIES["torsional_acceleration"].values(found).shape[0] == 3
+    apart = response_with_adjustments(response, (turned, lifted), amounts)
+    assert apart.joint_angles.shape[0] == 3

@@ -1,5 +1,6 @@
 """Studies at scale: what is told of shards is what NumPy says of every variant."""
 
+import functools
 import json
 import os
 import pickle
@@ -61,7 +62,9 @@ from cardan.topics.variants.sampling import SampledVariable, SamplingPlan, sampl
 from cardan.topics.variants.schema import read_variant_study as read_study
 from cardan.topics.variants.screen_presentation import screen_lines
 from cardan.topics.variants.shard_job import ShardJob, _evaluator_of
-from cardan.topics.variants.shard_store import MANIFEST_FILE_NAME
+from cardan.topics.variants.shard_log import log_entries
+from cardan.topics.variants.shard_store import MANIFEST_FILE_NAME, SHARD_LOG_FILE_NAME
+from cardan.topics.variants.shard_tree import merged_statistics, next_node, shards_of
 from cardan.topics.variants.statistics import (
     QUANTILE_RELATIVE_ERROR,
     clopper_pearson_interval,
@@ -498,7 +501,7 @@ def test_sobol_indices_match_ishigami_function():
         pairs.state_of(Made(drawn.unit_points(k, k + step), ishigami), k)
         for k in range(0, 5 * step, step)
     ]
-    found = sobol_indices(reduce.merge_states(pairs, states))
+    found = sobol_indices(functools.reduce(pairs.merge, states))
     # Exact: Ishigami & Homma (1990), with a = 7, b = 0.1.
     for ours, error, exact in (
         (found.first, found.first_error, (0.3139, 0.4424, 0.0)),
@@ -679,6 +682,11 @@ def test_study_range_errors_name_file_and_line(tmp_path, written, told, inside):
 # --------------------------------------------------------------------------- who computes
 
 
+def stored(folder: Path) -> set[int]:
+    """Return the shards that a folder holds."""
+    return {e.about["shard"] for e in log_entries(folder / SHARD_LOG_FILE_NAME) if e}
+
+
 def same(one: VariantStudyResult, other: VariantStudyResult) -> None:
     """Hold two studies against each other, to the last bit."""
     assert one.statistics.keys() == other.statistics.keys()
@@ -801,7 +809,7 @@ def test_resumed_study_gives_identical_results(tmp_path):
     with pytest.raises(StudyInterrupted) as stopped:
         run_study(application(), variants, count=600, shard=60, folder=tmp_path / "cut", hear=stop)
     assert 180 <= stopped.value.result.count < 600
-    before = {p.name for p in (tmp_path / "cut").glob("shard-*")}
+    before = stored(tmp_path / "cut")
     told = []
     again = run_study(
         application(), variants, count=600, shard=60, folder=tmp_path / "cut", resume=True,
@@ -857,10 +865,11 @@ def test_truncated_shards_and_lost_rows_are_recomputed(tmp_path, bytes_):
     variants = build_variants({}, TOLERANCES, ask=VariantOutputs(rows="float64"))
     run_study(application(), variants, count=80, shard=20, folder=tmp_path)
     before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
-    (tmp_path / "shard-000001.npz").write_bytes(before["shard-000001.npz"][:bytes_])
-    whole = bytearray(before["shard-000000.npz"])
-    whole[len(whole) // 2] ^= 0xFF
-    (tmp_path / "shard-000000.npz").write_bytes(whole)
+    first, second, *_ = log_entries(tmp_path / SHARD_LOG_FILE_NAME)
+    whole = bytearray(before[SHARD_LOG_FILE_NAME])
+    whole[first.length // 2] ^= 0xFF
+    del whole[second.offset + bytes_ : second.offset + second.length]
+    (tmp_path / SHARD_LOG_FILE_NAME).write_bytes(whole)
     (rows,) = tmp_path.glob("rows-000002.*")
     rows.unlink()
     (rows,) = tmp_path.glob("rows-000003.*")
@@ -870,7 +879,43 @@ def test_truncated_shards_and_lost_rows_are_recomputed(tmp_path, bytes_):
         application(), variants, count=80, shard=20, folder=tmp_path, resume=True, hear=told.append
     )
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
-    assert told[0].damaged == 4
+    # Where one is gone without a trace nothing is damaged.
+    assert told[0].damaged == (4 if bytes_ else 3)
+
+
+def test_study_resumes_from_a_log_that_ends_anywhere(tmp_path):
+    variants = build_variants({}, TOLERANCES)
+    whole = run_study(application(), variants, count=80, shard=20, folder=tmp_path)
+    path = tmp_path / SHARD_LOG_FILE_NAME
+    before, told = path.read_bytes(), []
+    ends = [e.offset + e.length for e in log_entries(path)]
+    assert len(ends) == 4
+    for size in (0, 1, ends[0] - 1, ends[0], ends[1] + 60, ends[3] - 1):
+        path.write_bytes(before[:size])
+        again = run_study(
+            application(), variants, count=80, shard=20, folder=tmp_path, resume=True,
+            hear=told.append,
+        )  # fmt: skip
+        same(whole, again)
+        assert path.read_bytes() == before
+        at = next(p for p in told if p.done == p.done_before)
+        assert at.done_before == 20 * sum(end <= size for end in ends)
+        assert at.damaged == (size not in (0, *ends))
+        told.clear()
+
+
+def test_log_that_another_run_changed_is_not_read(tmp_path):
+    variants = build_variants({}, TOLERANCES)
+    path = tmp_path / SHARD_LOG_FILE_NAME
+
+    def meddle(progress):
+        if progress.done == 80:
+            first, second, *_ = log_entries(path)
+            log = path.read_bytes()
+            path.write_bytes(log[second.offset :] + log[: first.length])
+
+    with pytest.raises(CardanError, match=r"shards\.log was changed by another run: end that"):
+        run_study(application(), variants, count=80, shard=20, folder=tmp_path, hear=meddle)
 
 
 @pytest.mark.slow
@@ -883,14 +928,11 @@ def test_shards_that_differ_from_their_digest_are_recomputed(tmp_path):
     changed = bytearray(before[rows.name])
     changed[len(changed) // 3] ^= 1
     rows.write_bytes(changed)
-    with np.load(tmp_path / "shard-000001.npz") as file:
-        arrays = {name: file[name] for name in file.files}
-    np.savez_compressed(
-        tmp_path / "shard-000001.npz", **arrays | {"counts/refused": arrays["counts/refused"] + 1}
-    )
-    with np.load(tmp_path / "shard-000002.npz") as file:  # as before there were digests
-        arrays = {name: file[name] for name in file.files if name not in ("digest", "rows")}
-    np.savez_compressed(tmp_path / "shard-000002.npz", **arrays)
+    log = bytearray(before[SHARD_LOG_FILE_NAME])
+    _, second, third, _ = log_entries(tmp_path / SHARD_LOG_FILE_NAME)
+    log[second.offset + 8] ^= 1  # its length
+    log[third.offset + third.length - 1] ^= 1  # its content
+    (tmp_path / SHARD_LOG_FILE_NAME).write_bytes(log)
     (rows,) = tmp_path.glob("rows-000003.*")
     other = rows.with_name(rows.name.replace("3", "2"))
     rows.write_bytes(before[other.name])  # whole, and of another shard
@@ -1041,12 +1083,12 @@ def test_study_killed_at_any_moment_resumes_identically(tmp_path, shards_before)
     command = [sys.executable, "-c", KILLED, str(tmp_path / "line.yaml"), str(tmp_path / "out")]
     run = subprocess.Popen(command)
     deadline = time.monotonic() + 60
-    while len(list((tmp_path / "out").glob("shard-*.npz"))) < shards_before:
+    while len(stored(tmp_path / "out")) < shards_before:
         assert time.monotonic() < deadline
         time.sleep(0.002)
     os.kill(run.pid, signal.SIGKILL)
     assert run.wait() == -signal.SIGKILL
-    done = len(list((tmp_path / "out").glob("shard-*.npz")))
+    done = len(stored(tmp_path / "out"))
     assert shards_before <= done < 40
     subprocess.run(command, check=True)
     asked = build_variants(
@@ -1143,6 +1185,9 @@ SHAFT = "driveline.shafts[1].length_mm"
          '"driveline.slopes.side_deg[1]"]]',
          "30:3: study.ask: maps: both axes are the same number (got driveline.slopes.side_deg[*], "
          "driveline.slopes.side_deg[1]); name two"),
+        ("worst: 2", "yield_only: true",
+         "30:46: study.ask.yield_only: reports nothing but the yield; remove quantiles, maps, "
+         "rows"),
         ("worst: 2", "worst: 0",
          "study.ask.worst: must be a whole number from 1 to 1000"),
         ("rows: float32", "rows: float16",
@@ -1261,6 +1306,25 @@ def test_study_command_prints_one_screen(tmp_path):
         ) == set()
 
 
+def test_study_of_the_yield_alone_has_no_tables_of_limits(tmp_path):
+    text = STUDY[: STUDY.index("  ask:")]
+    asked(tmp_path, "--json", tmp_path / "whole.json", study_text=text)
+    text += "  ask: {yield_only: true}\n"
+    for lang in LANGUAGE_CODES:
+        files = "--json", tmp_path / "a.json", "--html", tmp_path / "a.html"
+        for option in ((), ("--all",)):
+            run = asked(tmp_path, "--lang", lang, *option, *files, study_text=text)
+            assert run.exit_code == 0, run.output
+            said = " ".join(run.stdout.split())
+            assert ("Limits and variants have no table." in said) == (lang == "en")
+    whole, found = (json.loads((tmp_path / f"{n}.json").read_text()) for n in ("whole", "a"))
+    assert found["shares"] == whole["shares"]
+    assert found["yield"].pop("not_evaluated_on_rubber") == 0
+    assert found["yield"] == whole["yield"]
+    assert found["halved_tolerances"] == whole["halved_tolerances"]
+    assert found["limits"] == found["worst"] == []
+
+
 def test_stopped_study_says_so_at_the_top_of_its_screen():
     study = reader.loads(LINE + STUDY)
     found = run_study(study, study.variants, count=60)
@@ -1350,7 +1414,35 @@ def test_python_api_study_matches_file_study(tmp_path):
     assert found.to_dict()["variants"] == 90
     assert all("<svg" in f.svg for f in found.figures())
     assert "<svg" in found._repr_html_()
+    alone = cardan.study(app, {"shim_deg": [-1, 1]}, n=16, yield_only=True)
+    assert alone.rows is None
+    assert alone.yield_ == cardan.study(app, {"shim_deg": [-1, 1]}, n=16).yield_
+    with pytest.raises(ValueError, match="yield_only reports nothing else: remove quantiles"):
+        cardan.study(app, {"shim_deg": [-1, 1]}, n=16, yield_only=True, quantiles=(0.5,))
     narrow = cardan.study(app, {"shim_deg": [-1, 1]}, n=16, limits=("joint_angle",))
     assert {m.quantity for _, m in narrow.limits} == {"joint_angle"}
     with pytest.raises(CardanError, match="not kept"):
         cardan.study(app, {"shim_deg": [-1, 1]}, n=16, rows=None).to_frame()
+
+
+def test_shards_merge_to_the_same_bits_in_any_nodes():
+    """Sums that round otherwise in another order, as those of quantiles and weights, do not."""
+    variants = build_variants({}, TOLERANCES, ask=VariantOutputs(quantiles=(0.5,)))
+    job = ShardJob.from_study(application(), variants)
+    every = reduce.requested_statistics(job.evaluator, variants.ask)
+    leaves = {(0, k): job.run_shard(7 * k, 7 * k + 7).statistics for k in range(11)}
+    whole = merged_statistics(every, leaves)
+    for most, beginning in ((2, 0), (4, 0), (8, 0), (8, 3)):
+        nodes, todo = dict(list(leaves.items())[:beginning]), list(range(beginning, 11))
+        at = 0
+        while at < len(todo):
+            node = next_node(todo, at, most)
+            assert list(shards_of(node)) == todo[at : at + len(shards_of(node))]
+            mine = {(0, k): leaves[0, k] for k in shards_of(node)}
+            nodes[node] = merged_statistics(every, mine)
+            at += len(mine)
+        again = merged_statistics(every, nodes)
+        for name, state in whole.items():
+            for key, value in state.items():
+                np.testing.assert_array_equal(value, again[name][key], err_msg=name)
+    assert merged_statistics(every, {}) == {}
