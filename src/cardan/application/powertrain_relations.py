@@ -25,7 +25,7 @@ MAX_TYPED_DUTY_POINTS = 8
 """Points of a duty up to which a person has typed them: assumed."""
 
 COASTING_TORQUE_SHARE = 0.02
-"""Share of a duty's largest torque below which a point is coasting; named cycles: 0.0125."""
+"""Share of a duty's largest torque below which a point is unloaded; named cycles: 0.0125."""
 
 LEAST_MASS_T = {"long-haul": 7.5, "refuse": 3.5, "construction": 3.5}
 """Mass, t, from which vehicles do what a duty cycle says, assumed: lorries of Regulation (EU)
@@ -138,7 +138,7 @@ def compare_largest_duty_torque(of: RelationContext) -> ComparedValues:
 
 
 def compare_duty_powers(of: RelationContext) -> ComparedValues:
-    """Power of a duty point over the largest of its duty, coasting aside.
+    """Power of a duty point over the largest of its duty, unloaded points aside.
 
     A vehicle pulls away slowly and cruises fast: its power stays within one order of magnitude.
     Of a few points, as a person types them: classes of a measured trip hold what is rare.

@@ -529,7 +529,7 @@ def _deciding_input_items(screen: _Screen) -> Iterator[str]:
 
 
 def _deciding_input_text(one: DecidingInput, say: Translator) -> str:
-    """Return a given value and where it decides, in three digits if those tell them apart."""
+    """Return a given value and where it decides, in three digits if those differ."""
     given = say.compact_number(one.given)
     ends = (say.compact_number(float(f"{one.fails_at:.{digits}g}")) for digits in range(3, 7))
     return say(

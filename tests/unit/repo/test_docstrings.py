@@ -59,7 +59,8 @@ def names_of(node):
         elif isinstance(member, ast.FunctionDef):
             names |= {member.name} | (names_of(member) if member.name == "__init__" else set())
             names |= {
-                n.attr for n in ast.walk(member)
+                n.attr
+                for n in ast.walk(member)
                 if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store)
             }
     return names

@@ -534,7 +534,7 @@ class VariantEvaluator:
     ) -> LimitResults:
         """Return what limits come to, stage by stage, of what has not failed yet.
 
-        Limits that a variant was not evaluated for have no answer, and miss none.
+        Limits that were not evaluated for a variant hold no grade, and count as no miss.
         """
         found = LimitResults.without_answers(len(self.limits), count)
         rows = np.arange(count)

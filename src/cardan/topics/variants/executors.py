@@ -32,9 +32,9 @@ SCHEDULER_TIMEOUT_S = 30
 """s: a cluster whose scheduler has not answered by then is given up."""
 
 WORKER_COUNT_AGE_S = 1.0
-"""s: a count of workers, for which the scheduler is asked, holds so long."""
+"""s: a count of workers, which the scheduler gives, holds so long."""
 
-# --------------------------------------------------------------------------- who asks
+# --------------------------------------------------------------------------- executors
 
 
 @contextmanager
@@ -153,11 +153,11 @@ class DaskExecutor(Executor):
                     self._client.unregister_worker_plugin(name)
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Hand a call to whoever is free."""
+        """Hand a call to a free worker."""
         return self._executor.submit(fn, *args, **kwargs)
 
     def submit_all(self, calls: Mapping[Any, Callable[[], Any]]) -> None:
-        """Hand out calls to whoever is free, in one message.
+        """Hand out calls to free workers, in one message.
 
         Raises
         ------
@@ -226,7 +226,7 @@ class DaskExecutor(Executor):
             try:
                 self._threads = sum(self._client.ncores().values())
             except (OSError, TimeoutError, RuntimeError, AttributeError):
-                self._threads = 1  # its client is closed, or closing: what it loses tells that
+                self._threads = 1  # its client is closed, or closing: the shards it loses show that
         return self._threads
 
 

@@ -1,6 +1,6 @@
 """A study of many variants, shard by shard: in threads, processes or on a cluster.
 
-A shard is a stretch of variants. Whoever asks it draws the same, and what is told of it is
+A shard is a stretch of variants. Every worker draws the same, and its statistics are
 joined in a fixed order, so the answer is the same to the last bit however it was
 computed: at once, by many, or in pieces after the computer went down. A cluster is handed several
 shards at a time, as many as take it `MAX_TASK_S`, and merges them where they were computed.
@@ -252,9 +252,9 @@ def _run_shards(
     merged: bool,
     idle: Callable[[], None],
 ) -> None:
-    """Have shards asked, and keep each as it comes; say so while nobody is there to ask.
+    """Have shards computed, and keep each as it comes; report while there is no worker.
 
-    Workers of a cluster return them `merged` where nobody needs each.
+    Workers of a cluster return them `merged` where each alone is not needed.
     """
     stop, cluster = Event(), executor if isinstance(executor, DaskExecutor) else None
 

@@ -176,9 +176,8 @@ def compute_shards(
 
     `job` is what `serialise_shard_job` returned, or the name of one that is held here.
     """
-    import_module(
-        "scipy.linalg"
-    )  # before it is looked for: a thread beside would load it meanwhile
+    # Before it is looked for: another thread would load it meanwhile.
+    import_module("scipy.linalg")
     begun = perf_counter()
     with single_threaded_blas(), retain_freed_memory():
         known = deserialise_shard_job(_HELD_JOBS[job] if isinstance(job, str) else job)

@@ -1,7 +1,7 @@
 """A file of records that is only appended to: what was written whole is found again.
 
 A record has its length and the SHA-256 of its content, so one that was cut short by a power cut,
-or changed since, is told from a whole one, and the next is found behind it.
+or changed since, differs from a whole one, and the next is found behind it.
 """
 
 import json

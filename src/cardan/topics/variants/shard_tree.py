@@ -1,7 +1,7 @@
-"""Shards merged two by two in a fixed order: to the same bit whoever merges them, and when.
+"""Shards merged two by two in a fixed order: to the same bit wherever and whenever that is.
 
 A node of level n and index i stands for the shards from i 2^n up to (i + 1) 2^n. Its state is that
-of its two halves, merged. Whoever computes all shards of a node may merge them, so what comes back
+of its two halves, merged. A worker that computes all shards of a node may merge them, so what comes back
 from a worker does not grow with the number of its shards.
 """
 
@@ -13,7 +13,7 @@ from cardan.topics.variants.statistics import StatisticState, StreamingStatistic
 ShardNode: TypeAlias = tuple[int, int]
 """Level and index."""
 ShardStatistics: TypeAlias = Mapping[str, StatisticState]
-"""What is told of shards, by name."""
+"""Statistics of shards, by name."""
 
 
 def shards_of(node: ShardNode) -> range:
@@ -39,7 +39,7 @@ def next_node(todo: Sequence[int], at: int, most: float) -> ShardNode:
 def merged_statistics(
     of: Mapping[str, StreamingStatistic], parts: Mapping[ShardNode, ShardStatistics]
 ) -> ShardStatistics:
-    """Return what all parts tell together; {} of none. No two parts share a shard."""
+    """Return the statistics of all parts together; {} of none. No two parts share a shard."""
     parts, level = dict(parts), 0
     while len(parts) > 1 or any(at != (level, 0) for at in parts):
         if not parts:

@@ -92,7 +92,7 @@ def _added(one: StatisticState, other: StatisticState) -> dict[str, Any]:
 class VerdictCounts:
     """How many variants come to what; of those drawn by themselves.
 
-    Of each limit besides: to which grade (pass, warn, fail, no answer), how often it is the
+    Of each limit besides: to which grade (pass, warn, fail, not evaluated), how often it is the
     only one to fail, and how often its margin is the smallest. `stopped` are those that a cheap
     limit failed, of which other limits know nothing.
     """
