@@ -451,7 +451,7 @@ def test_torque_and_speed_that_nothing_confirms_are_named(example, keys):
 def test_lengths_and_engine_torque_that_nothing_confirms_are_named(example, told):
     """A length of 1050 for 1500 contradicts nothing where no wheelbase is given."""
     for other, expected in ((example, True), ("van", False)):
-        notes = [str(n) for n in notes_for(loads(with_slip(other, Slip({}, ""))), ())]
+        notes = [str(n) for n in approval_notes(loads(with_slip(other, Slip({}, ""))), ())]
         assert any(f"nothing in the file confirms {told}" in n for n in notes) is expected
 
 

@@ -1,8 +1,8 @@
 """Shards merged two by two in a fixed order: to the same bit wherever and whenever that is.
 
 A node of level n and index i stands for the shards from i 2^n up to (i + 1) 2^n. Its state is that
-of its two halves, merged. A worker that computes all shards of a node may merge them, so what comes back
-from a worker does not grow with the number of its shards.
+of its two halves, merged. A worker that computes all shards of a node may merge them, so its result
+does not grow with the number of its shards.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
