@@ -15,7 +15,7 @@ from cardan.physics.signals.attribution_result import (
     UNDETERMINED,
     JointAttribution,
 )
-from cardan.physics.signals.damage_attribution import ShapleyAttribution
+from cardan.physics.signals.damage_attribution import CAUSE_JOINTS, ShapleyAttribution
 from cardan.render.check_texts import limit_text, uncapitalised, unit_text, value_text
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import grouped_unevaluated_lines
@@ -328,16 +328,21 @@ def _evidence_cells(of: JointAttribution | None, say: Translator) -> list[str]:
 
 
 def _largest_cause_lines(gauges: Sequence[GaugeResult], say: Translator, width: int) -> list[str]:
-    """Return the largest shares of the damage where the joints are not found to dominate."""
+    """Return the largest cause beside the joints where these are not found to dominate.
+
+    The joints' own share stands in the table, by phase and torque; that of the orders
+    (`ShapleyAttribution.share`) is another number, and only in the full result.
+    """
     items: list[str] = []
     for g in gauges:
         if g.evidence is None or g.evidence.verdict == JOINTS_DOMINANT or g.causes is None:
             continue
-        chief, share = max(g.causes.shares.items(), key=lambda one: one[1])
-        if g.causes.total_damage > 0:
+        others = {name: s for name, s in g.causes.shares.items() if name != CAUSE_JOINTS}
+        if others and g.causes.total_damage > 0:
+            chief, share = max(others.items(), key=lambda one: one[1])
             items.append(f"{g.name} {say(chief)} {share_text(share, say)}")
     return capped_list_lines(
-        say("Largest share of the damage:"), items, MAX_LIST_LINES, "--all", say, width
+        say("Largest share beside the joints:"), items, MAX_LIST_LINES, "--all", say, width
     )
 
 

@@ -83,8 +83,19 @@ def test_screen_has_verdict_life_with_interval_and_cause_worst_gauge_first():
     assert " ".join(better[5:]) == "97 % (90 … 100) joints dominate"
     said = " ".join(" ".join(lines).split())
     assert "fatigue life min 100 h: 1 exceeded, 1 met; worst S2" in said
-    assert "Largest share of the damage: S2 events 75 %" in said
+    assert "Largest share beside the joints: S2 events 75 %" in said
     assert "cause at S2 undetermined: no torque shows when the joints pull" in said
+
+
+def test_screen_has_one_share_of_the_joints():
+    """That by phase and torque; the orders' Shapley share, here the largest, is another number."""
+    of = with_causes(found(signal(20.0), signal(40.0)))
+    shares = ShapleyAttribution((CAUSE_JOINTS, CAUSE_SUDDEN_EVENTS), np.array([0, 0.7, 0.2, 1.0]))
+    causes = of.answer.causes
+    causes.attributions = (shares,) * len(causes.gauges)
+    said = " ".join(" ".join(screen(of)).split())
+    assert "Largest share beside the joints: S2 events 25 %" in said
+    assert "75 %" not in said
 
 
 def test_rejected_gauge_has_no_life_and_next_command_decides_on_its_fault():
