@@ -8,10 +8,10 @@ import click
 from click.core import ParameterSource
 
 from cardan.cli.common import (
-    announce_application,
     CAMPAIGN_KIND,
     ExampleChoice,
     TemplateChoice,
+    announce_application,
     echo,
     locale_translator,
     progress_line,

@@ -73,9 +73,7 @@ def write_imported(
         echo(line)
     if left:
         say = locale_translator()
-        echo(
-            say("{file} is written; enter the values of: {keys}.", file=out, keys=", ".join(left))
-        )
+        echo(say("{file} is written; enter the values of: {keys}.", file=out, keys=", ".join(left)))
     else:
         announce_application(out)
 

@@ -92,8 +92,7 @@ class Upload:
 
     @property
     def complete_file(self) -> Json | None:
-        """Where the recording and its databases lie and what it is called; None until it is whole.
-        """
+        """Where the recording and its databases lie, and its name; None until it is whole."""
         if self._folder is None or self._is_database or self.received_bytes != self.size:
             return None
         return {

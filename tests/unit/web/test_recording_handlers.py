@@ -249,7 +249,9 @@ def test_life_job_matches_life_command(run):
     assert first["title"] == "Life and cause"
     assert [b["kind"] for b in first["blocks"]] == ["figure"] * 4
     for drawn, what in zip(
-        titles, ("stress over time", "Rainflow matrix", "S-N curve", "share of the damage"), strict=True
+        titles,
+        ("stress over time", "Rainflow matrix", "S-N curve", "share of the damage"),
+        strict=True,
     ):
         assert what.lower() in drawn.lower()
     assert all(b["svg"].startswith("<svg") for b in first["blocks"])

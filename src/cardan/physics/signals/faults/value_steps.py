@@ -5,6 +5,8 @@ the step as well, and who filters them leaves none; no vehicle does either. Noth
 values have no step, or where the amplifier changes in front of the converter.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from cardan.core.arrays import FloatArray
@@ -19,7 +21,7 @@ from cardan.physics.signals.faults.intervals import fault_intervals
 from cardan.physics.signals.faults.lost_response import FAULT_RESPONSE
 
 SPAN_S, MIN_SPAN_SAMPLES, MAX_VALUES_PER_SPAN = 1.0, 500, 1000
-"""Time whose values are looked at together, the fewest samples of it, and how many are looked at."""
+"""Time whose values are looked at together, the fewest samples of it, and the most looked at."""
 MIN_UNEQUAL_VALUES = 50
 """Values of a span that differ, from which it says something."""
 MAX_GAPS_IN_STEPS = 50.0
@@ -27,7 +29,7 @@ MAX_GAPS_IN_STEPS = 50.0
 MAX_DISTANCE_FROM_MULTIPLE = 0.1
 """Steps that a gap may be off a whole number of them: float32 rounds, and chance hits a fifth."""
 MIN_SHARE_ON_STEPS, MAX_SHARE_ON_STEPS_BY_CHANCE = 0.95, 0.4
-"""Share of the gaps that are whole numbers of a step, where there is one and where there is none."""
+"""Share of the gaps that are whole numbers of a step, where there is one, and where none."""
 MIN_SPANS_OF_A_STEP = 5
 """Spans that have a step, or none, in a row: fewer are a blow that was written otherwise."""
 MAX_SAME_STEP_DIFFERENCE_LN = 0.02
@@ -60,9 +62,7 @@ class ValueStepDetector:
             self.latest = step if step > 0 else self.latest
             self.steps.append(step)
             tenth = known.size // 10
-            self.swings.append(
-                float(known[-1 - tenth] - known[tenth]) if known.size else np.nan
-            )
+            self.swings.append(float(known[-1 - tenth] - known[tenth]) if known.size else np.nan)
         self.tail = whole[full:].copy()
 
     def result(self, of: ChannelStatistics) -> DetectedFaults:
@@ -73,9 +73,10 @@ class ValueStepDetector:
         swings = np.array(self.swings)
         gains: list[tuple[int, float]] = []
         stepped = [run for run in runs if run[2] > 0]
-        for (a, b, one), (c, d, other) in zip(stepped, stepped[1:], strict=False):
+        for (a, b, one), (c, d, other) in pairwise(stepped):
             change = np.log(other / one)
-            swung = np.log(np.nanmedian(swings[c:d]) / np.nanmedian(swings[a:b]))
+            with np.errstate(divide="ignore", invalid="ignore"):
+                swung = np.log(np.nanmedian(swings[c:d]) / np.nanmedian(swings[a:b]))
             if not _is_of_format(change) or (
                 abs(swung - change) < MAX_SWING_TO_STEP_DEVIATION * abs(change)
             ):
