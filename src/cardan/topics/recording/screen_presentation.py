@@ -11,6 +11,7 @@ from cardan.core.units import MPa, hour
 from cardan.core.verdict import CHECK_GRADES, Check, CheckGrade, worst_first_key
 from cardan.physics.signals.assessment import GaugeAssessment
 from cardan.physics.signals.attribution_result import (
+    DOUBT_RESPONSE_STEP,
     JOINTS_DOMINANT,
     UNDETERMINED,
     JointAttribution,
@@ -33,7 +34,7 @@ from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, table_l
 from cardan.topics.recording import alternative_life_presentation as otherwise
 from cardan.topics.recording import presentation as report
 from cardan.topics.recording.campaign_assessment import CampaignAssessment, MixGaugeResult
-from cardan.topics.recording.finding_phrases import finding_messages
+from cardan.topics.recording.finding_phrases import finding_message, finding_messages
 from cardan.topics.recording.identification_presentation import doubt_sentences
 from cardan.topics.recording.life_verdict import assessment_verdict
 from cardan.topics.recording.options import LIFE_OPTION_SOURCE
@@ -407,7 +408,14 @@ def _signature_items(
         for c in found.checks
         if c.within and _may_turn(c)
     ]
-    for _, part in parts:
+    for name, part in parts:
+        doubts = part.causes.doubts if part.causes is not None else ()
+        # More than why a cause is open.
+        items += [
+            say.join(name, say.translate_message(finding_message(doubt)))
+            for doubt in doubts
+            if _is_of_damage(doubt)
+        ]
         if part.identification is not None:
             items += doubt_sentences(part.identification, say)
         # The last one says that the promise may be of another line.
@@ -438,6 +446,12 @@ def _signature_items(
                 if not any(doubt in item for item in items)  # as the reason of an open cause
             ]
     return list(dict.fromkeys(items))
+
+
+def _is_of_damage(doubt: Finding) -> bool:
+    """Return whether a doubt, of a gauge, says that the damage itself may be another."""
+    of = dict(doubt.values).get("doubt", doubt)
+    return isinstance(of, Finding) and of.code == DOUBT_RESPONSE_STEP.code
 
 
 def _may_turn(c: Check) -> bool:
