@@ -343,7 +343,7 @@ def _largest_cause_lines(gauges: Sequence[GaugeResult], say: Translator, width: 
             chief, share = max(others.items(), key=lambda one: one[1])
             items.append(f"{g.name} {say(chief)} {share_text(share, say)}")
     return capped_list_lines(
-        say("Largest share beside the joints:"), items, MAX_LIST_LINES, "--all", say, width
+        say("Largest share apart from the joints:"), items, MAX_LIST_LINES, "--all", say, width
     )
 
 
