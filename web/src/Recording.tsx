@@ -27,7 +27,7 @@ export function Recording({ known }: { known: AppState }) {
       <section class="card drop" aria-labelledby="recording" onDragOver={(e) => e.preventDefault()} onDrop={(e) => { e.preventDefault(); take(e.dataTransfer?.files); }}>
         <header>
           <h2 id="recording">{t("Recording")}</h2>
-          <label class="pick">{t("choose a file")}<input type="file" multiple data-field="recording" onChange={(e) => take((e.currentTarget as HTMLInputElement).files)} /></label>
+          <label class="pick">{t("choose a file")}<input type="file" multiple data-field="recording" onChange={(e) => { const box = e.currentTarget as HTMLInputElement; take(box.files); box.value = ""; }} /></label>
           <span class="note">{t("or drop it here, up to 256 MB, a CAN log with its .dbc; it stays on this machine")}</span>
         </header>
         {!p && <EmptyRecording known={known} />}
