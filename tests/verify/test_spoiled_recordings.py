@@ -97,7 +97,12 @@ def test_at_most_one_in_100_clean_recordings_is_rejected(count):
     assert len(rejected) <= count / 100, rejected
 
 
-SINGLE = {"gain from midway": 0.7, "gain for a while": 0.6, "lead": 0.65, "filter switched on": 0.35}
+SINGLE = {
+    "gain from midway": 0.7,
+    "gain for a while": 0.6,
+    "lead": 0.65,
+    "filter switched on": 0.35,
+}
 """The same of a gauge without another beside it: by a break, or by the step of its values."""
 
 

@@ -75,6 +75,9 @@ CLEAN = {
     "a level that changes": converted(road() * np.repeat([0.1, 1.0], CHANGE) + 40),
     "four digits": np.array([float(f"{v:.4g}") for v in road() + np.repeat([0.0, 500.0], CHANGE)]),
     "half precision": (road() + np.repeat([0.0, 300.0], CHANGE)).astype(np.float16).astype(float),
+    "climbs three steps at a time": np.where(
+        np.arange(30_000) < CHANGE, converted(road()), 0.03 * np.arange(30_000)
+    ),
     "stands for a while": converted(np.where(np.arange(30_000) // 5_000 == 3, 2.0, road())),
 }
 

@@ -30,6 +30,8 @@ MAX_DISTANCE_FROM_MULTIPLE = 0.1
 """Steps that a gap may be off a whole number of them: float32 rounds, and chance hits a fifth."""
 MIN_SHARE_ON_STEPS, MAX_SHARE_ON_STEPS_BY_CHANCE = 0.95, 0.4
 """Share of the gaps that are whole numbers of a step, where there is one, and where none."""
+MIN_TURNING_SHARE, MIN_MOVES = 0.02, 4
+"""Share of the samples at which what shakes turns, and numbers of steps that it goes by."""
 MIN_SPANS_OF_A_STEP = 5
 """Spans that have a step, or none, in a row: fewer are a blow that was written otherwise."""
 MAX_SAME_STEP_DIFFERENCE_LN = 0.02
@@ -59,6 +61,7 @@ class ValueStepDetector:
             some = span[:MAX_VALUES_PER_SPAN]
             known = np.unique(some[~np.isnan(some)])
             step = step_of_values(known, expected=self.latest)
+            step = step if step == 0 or _shakes(some, step) else np.nan
             self.latest = step if step > 0 else self.latest
             self.steps.append(step)
             tenth = known.size // 10
@@ -87,6 +90,16 @@ class ValueStepDetector:
             FAULT_RESPONSE: fault_intervals([(a * self.size, b * self.size) for a, b in lost]),
         }
         return {kind: where for kind, where in found.items() if where.count}
+
+
+def _shakes(x: FloatArray, step: float) -> bool:
+    """Return whether samples (n,) go to and fro by several numbers of steps.
+
+    What climbs evenly, as a speed does, may go three steps at a time, and shows no smaller one.
+    """
+    moves = np.diff(x[~np.isnan(x)])
+    turns = float(np.mean(moves[1:] * moves[:-1] < 0))
+    return turns >= MIN_TURNING_SHARE and np.unique(np.rint(np.abs(moves) / step)).size > MIN_MOVES
 
 
 def _is_of_format(change: float) -> bool:
