@@ -78,6 +78,7 @@ CLEAN = {
     "climbs three steps at a time": np.where(
         np.arange(30_000) < CHANGE, converted(road()), 0.03 * np.arange(30_000)
     ),
+    "a hole of seconds": np.where(np.arange(30_000) // 5_000 == 3, np.nan, converted(road())),
     "stands for a while": converted(np.where(np.arange(30_000) // 5_000 == 3, 2.0, road())),
 }
 

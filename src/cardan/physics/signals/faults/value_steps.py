@@ -61,7 +61,7 @@ class ValueStepDetector:
             some = span[:MAX_VALUES_PER_SPAN]
             known = np.unique(some[~np.isnan(some)])
             step = step_of_values(known, expected=self.latest)
-            step = step if step == 0 or _shakes(some, step) else np.nan
+            step = np.nan if step > 0 and not _shakes(some, step) else step
             self.latest = step if step > 0 else self.latest
             self.steps.append(step)
             tenth = known.size // 10
