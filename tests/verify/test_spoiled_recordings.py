@@ -95,3 +95,37 @@ def test_at_most_one_in_100_clean_recordings_is_rejected(count):
         if heard((case := whole(seed)).gauges, case.rate).vetoed
     ]  # fmt: skip
     assert len(rejected) <= count / 100, rejected
+
+
+SINGLE = {
+    "gain from midway": 0.7,
+    "gain for a while": 0.6,
+    "lead": 0.65,
+    "filter switched on": 0.35,
+}
+"""The same of a gauge without another beside it: by a break, or by the step of its values."""
+
+
+@pytest.mark.long
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("name", sorted(SINGLE))
+def test_documented_share_of_faulty_single_gauges_is_rejected(name):
+    off = vetoed = 0
+    for seed in range(920_000, 920_010):
+        case = whole(seed, seconds=70)
+        truth = heard(case.gauges[:1], case.rate).life.damage
+        for bad in (0.0, 0.5, 1.0):
+            x = FAULTS[name](case.gauges[0], case.rate, bad, np.random.default_rng(seed))
+            one = heard(x[None], case.rate)
+            wrong = not 0.8 <= one.life.damage / truth <= 1.2
+            off, vetoed = off + wrong, vetoed + (wrong and one.vetoed)
+    assert off
+    assert vetoed >= SINGLE[name] * off
+
+
+@pytest.mark.long
+@pytest.mark.timeout(3600)
+def test_clean_single_gauge_is_not_rejected():
+    seeds = (*range(930_000, 930_030), *range(931_000, 931_040))
+    rejected = [s for s in seeds if heard((case := whole(s)).gauges[:1], case.rate).vetoed]
+    assert rejected == []

@@ -7,7 +7,7 @@ import { Card, Select } from "./Card";
 import { CellMap } from "./CellMap";
 import { formatFixed, formatNumber } from "./format";
 import { JobButton } from "./SpeedView";
-import { store, type Job, type AppState } from "./store";
+import { isDatabase, store, type Job, type AppState } from "./store";
 import { t } from "./i18n";
 import type { Channel, Heard, Lived } from "./types";
 import { useRetainedState } from "./hooks";
@@ -16,21 +16,23 @@ export type FaultRule = "mask" | "accept" | "";
 
 export function Recording({ known }: { known: AppState }) {
   const p = known.parcel;
-  const come = p !== null && p.got === p.size;
+  const whole = p !== null && p.got === p.size;
+  const come = whole && !isDatabase(p.name);
   useEffect(() => { if (come) store.work("recording", {}, ""); }, [p?.id, come, known.lang]);
   const job = known.jobs.recording as Job<Heard> | undefined;
   const of = come ? job?.answer : null;
-  const take = (files: FileList | null | undefined): void => { if (files?.[0]) store.bring(files[0]); };
+  const take = (files: FileList | null | undefined): void => { if (files?.length) store.take([...files]); };
   return (
     <>
       <section class="card drop" aria-labelledby="recording" onDragOver={(e) => e.preventDefault()} onDrop={(e) => { e.preventDefault(); take(e.dataTransfer?.files); }}>
         <header>
           <h2 id="recording">{t("Recording")}</h2>
-          <label class="pick">{t("choose a file")}<input type="file" data-field="recording" onChange={(e) => take((e.currentTarget as HTMLInputElement).files)} /></label>
-          <span class="note">{t("or drop it here, up to 256 MB; it stays on this machine")}</span>
+          <label class="pick">{t("choose a file")}<input type="file" multiple data-field="recording" onChange={(e) => { const box = e.currentTarget as HTMLInputElement; take(box.files); box.value = ""; }} /></label>
+          <span class="note">{t("or drop it here, up to 256 MB, a CAN log with its .dbc; it stays on this machine")}</span>
         </header>
         {!p && <EmptyRecording known={known} />}
-        {p && !come && <p class="note" role="status">{p.name} <progress max={p.size} value={p.got} aria-label={p.name} /></p>}
+        {p && whole && !come && <p class="note" role="status">{t("{file}: now the log whose frames it decodes", { file: p.name })}</p>}
+        {p && !whole && <p class="note" role="status">{p.name} <progress max={p.size} value={p.got} aria-label={p.name} /></p>}
         {job?.running && <p class="note" role="status">{t("reading …")}</p>}
         {come && job?.why && <p class="fail">{job.why}</p>}
         {of && <p><b>{of.name}</b>: {t("{seconds} s at {rate} Hz, {count} channels", { seconds: formatNumber(of.seconds), rate: formatNumber(of.rate), count: of.channels.length + of.left })}</p>}

@@ -72,6 +72,9 @@ export interface Job<Answer = unknown, Part = unknown> {
   problems?: Problem[] | undefined;
 }
 
+/** Whether a file is a CAN database, which decodes the frames of a log. */
+export const isDatabase = (name: string): boolean => name.toLowerCase().endsWith(".dbc");
+
 const start: AppState = {
   connection: "opening", version: "", lang: "en", languages: ["en"], quantities: {},
   catalogue: { joints: [], tubes: [] }, profiles: [], missing: [], bracket_example: "", files: [], file: null, history: null, live: null, campaign: null, handles: [],
@@ -253,9 +256,21 @@ export class Store {
   // ------------------------------------------------------------------ a recording
 
   private bringing: File | null = null;
+  private recording: File | null = null;
+  private following: File[] = [];
 
-  /** Send a recording to the server, piece by piece, in place of the last. */
-  bring(file: File): void {
+  /** Send a recording to the server, CAN databases first; databases alone are of the recording that is there. */
+  take(files: File[]): void {
+    const databases = files.filter((f) => isDatabase(f.name));
+    const recording = files.find((f) => !isDatabase(f.name)) ?? (this.known.parcel ? this.recording : null);
+    this.recording = recording;
+    const [first, ...following] = [...databases, ...(recording ? [recording] : [])];
+    this.following = following;
+    if (first) this.bring(first);
+  }
+
+  /** Send a file to the server, piece by piece, in place of the last. */
+  private bring(file: File): void {
     this.bringing = file;
     this.ids += 1;
     for (const job of ["recording", "life"]) this.stop(job);
@@ -268,7 +283,11 @@ export class Store {
     const [file, parcel] = [this.bringing, this.known.parcel];
     if (!file || parcel?.id !== id) return;
     this.set({ parcel: { ...parcel, got } });
-    if (got >= file.size) return;
+    if (got >= file.size) {
+      const next = this.following.shift();
+      if (next) this.bring(next);
+      return;
+    }
     const reader = new FileReader();
     reader.onload = () => { if (this.known.parcel?.id === id) this.link?.say({ type: "piece", at: got, data: String(reader.result).split(",")[1] ?? "" }); };
     reader.onerror = () => this.set({ parcel: null, notice: { kind: "refused", why: t("{file} cannot be read", { file: file.name }) } });

@@ -11,7 +11,9 @@ from cardan.cli.common import (
     CAMPAIGN_KIND,
     ExampleChoice,
     TemplateChoice,
+    announce_application,
     echo,
+    locale_translator,
     progress_line,
     write_output,
 )
@@ -115,7 +117,7 @@ def new(
             "--hardpoints"
         )
     write_output(file, templates.template_text(kind), replace=force)
-    echo(f"{file} is written; `cardan check {file}` assesses it.")
+    announce_application(file)
 
 
 def _kind_given(kind: str) -> str | None:
@@ -131,7 +133,7 @@ def _write_example(name: str, out: Path, *, replace: bool) -> None:
     source = example_path(name)
     if source.is_file():
         write_output(out, source.read_bytes(), replace=replace)
-        echo(f"{out} is written; `cardan check {out}` assesses it.")
+        announce_application(out)
         return
     files = {out / p.name: p for p in sorted(source.iterdir())}
     if (there := [path for path in files if path.exists()]) and not replace:
@@ -139,7 +141,13 @@ def _write_example(name: str, out: Path, *, replace: bool) -> None:
     out.mkdir(parents=True, exist_ok=True)
     for path, from_ in files.items():
         write_output(path, from_.read_bytes())
-    echo(f"{len(files)} files are written into {out}; {out / 'README.md'} says what to run.")
+    say = locale_translator()
+    echo(
+        say(
+            "{count} files are written into {folder}; {readme} says what to run.",
+            count=len(files), folder=out, readme=out / "README.md",
+        )
+    )  # fmt: skip
 
 
 def _write_campaign(recording: Path, *, replace: bool) -> None:
@@ -161,7 +169,13 @@ def _write_campaign(recording: Path, *, replace: bool) -> None:
         yield campaign_template(found).encode()
 
     write_output(out, content(), replace=replace)
-    echo(f"{out} is written; fill in its strength, and `cardan life {out}` evaluates it.")
+    say = locale_translator()
+    echo(
+        say(
+            "{file} is written; fill in its strength, and `cardan life {file}` evaluates it.",
+            file=out,
+        )
+    )
 
 
 def _write_before_and_after(
@@ -186,12 +200,18 @@ def _write_before_and_after(
     for one, content in zip(files, (before, after), strict=True):
         write_output(one, content, replace=replace)
     first, second = files
-    echo(f"{first} and {second} are written; `cardan check {first} {second}` compares them.")
+    say = locale_translator()
+    echo(
+        say(
+            "{first} and {second} are written; `cardan check {first} {second}` compares them.",
+            first=first, second=second,
+        )
+    )  # fmt: skip
     applications = [
         reader.loads(content, name=str(one), folder=source.get("folder"))
         for one, content in zip(files, (before, after), strict=True)
     ]
-    for line in _advice(*applications, after_file=second):
+    for line in _advice(*applications, after_file=second, say=say):
         echo(line)
 
 
@@ -208,7 +228,7 @@ def _check_wheelbase(own: Path | None, from_: float) -> None:
         )
 
 
-def _advice(before: Any, after: Any, *, after_file: Path) -> Any:
+def _advice(before: Any, after: Any, *, after_file: Path, say: Any) -> Any:
     """Yield how much longer the last shafts are, and whether a further shaft is needed."""
     from cardan.application.wheelbase import lengthened_lines
     from cardan.approval.approval import approve_driveline
@@ -216,10 +236,11 @@ def _advice(before: Any, after: Any, *, after_file: Path) -> Any:
 
     for was, now in zip(lengthened_lines(before), lengthened_lines(after), strict=True):
         last, old = now.line.shafts[-1], was.line.shafts[-1]
-        yield (
-            f"Line {now.line.name}: shaft {len(now.line.shafts)} is {last.length / mm:.0f} mm long "
-            f"in place of {old.length / mm:.0f} mm."
-        )
+        yield say(
+            "Line {line}: shaft {number} is {length} mm long in place of {before} mm.",
+            line=now.line.name, number=len(now.line.shafts),
+            length=f"{last.length / mm:.0f}", before=f"{old.length / mm:.0f}",
+        )  # fmt: skip
         whirls = [
             c
             for c in approve_driveline(after).checks
@@ -227,14 +248,16 @@ def _advice(before: Any, after: Any, *, after_file: Path) -> Any:
         ]
         worst = max(whirls, key=lambda c: c.value, default=None)
         if worst is None:
-            yield "Its critical speed is not evaluated: speed_rpm and the tube are not given."
+            yield say("Its critical speed is not evaluated: speed_rpm and the tube are not given.")
         elif worst.grade == "fail":
-            yield (
-                f"It turns at {worst.value:.3g} times its critical speed, {worst.bound:.3g} at "
-                "most: it is too long. A further shaft with a centre bearing, or a larger tube, "
-                f"is needed; `cardan size {after_file}` proposes them."
-            )
+            yield say(
+                "It turns at {ratio} times its critical speed, {most} at most: it is too long. A "
+                "further shaft with a centre bearing, or a larger tube, is needed; "
+                "`cardan size {file}` proposes them.",
+                ratio=say.compact_number(worst.value, 3), most=say.compact_number(worst.bound, 3),
+                file=after_file,
+            )  # fmt: skip
     if after.vehicle is not None:
-        yield "Axle loads are those of before: correct vehicle.loads by the new wheelbase."
+        yield say("Axle loads are those of before: correct vehicle.loads by the new wheelbase.")
     if after.obstacles:
-        yield "Obstacles are where they were: move those that moved with the axle."
+        yield say("Obstacles are where they were: move those that moved with the axle.")

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from cardan.cli.common import echo, write_output
+from cardan.cli.common import announce_application, echo, locale_translator, write_output
 from cardan.cli.exit_codes import raise_command_error
 
 
@@ -72,9 +72,10 @@ def write_imported(
     for line in said:
         echo(line)
     if left:
-        echo(f"{out} is written; enter the values of: {', '.join(left)}.")
+        say = locale_translator()
+        echo(say("{file} is written; enter the values of: {keys}.", file=out, keys=", ".join(left)))
     else:
-        echo(f"{out} is written; `cardan check {out}` assesses it.")
+        announce_application(out)
 
 
 def _base(imports: ImportedFiles, kind: str | None, own: Path | None) -> tuple[str, list[str]]:

@@ -21,7 +21,7 @@ from cardan.physics.signals.faults.waveform import FAULT_MISSING_SAMPLES
 from cardan.physics.signals.faults.whole_channel import FAULT_DRIFT
 from cardan.physics.signals.recording import Channel, Recording, time_slice
 from cardan.readers.dispatch import open_recording
-from cardan.render.blocks import ReportDateAndSourceStamp, ReportDocument
+from cardan.render.blocks import Figures, ReportDateAndSourceStamp, ReportDocument
 from cardan.render.i18n import Translator
 from cardan.topics.recording import campaign_study
 from cardan.topics.recording import report as story
@@ -170,10 +170,11 @@ def analyse_upload(
             if k != FAULT_MISSING_SAMPLES
         ],
         **_report_message(
-            story.recording_report(
-                replace(found, answer=_without_pictures(heard)),
-                say=say,
-                issue=ReportDateAndSourceStamp(),
+            *(
+                story.recording_report(
+                    replace(found, answer=answer), say=say, issue=ReportDateAndSourceStamp()
+                )
+                for answer in (heard, _without_pictures(heard))
             )
         ),
     }
@@ -200,9 +201,12 @@ def campaign_result(
     assert mix is not None
     evidence = {one.name: mix.evidence(one.name) for one in mix.lives}
     bare = tuple((name, times, _without_pictures(heard)) for name, times, heard in mix.parts)
-    told = story.campaign_report(
-        replace(found, answer=replace(mix, parts=bare)), say=say, issue=ReportDateAndSourceStamp()
-    )  # fmt: skip
+    told = (
+        story.campaign_report(
+            replace(found, answer=answer), say=say, issue=ReportDateAndSourceStamp()
+        )
+        for answer in (mix, replace(mix, parts=bare))
+    )
     return {
         "name": mix.title,
         "orders": [
@@ -212,7 +216,7 @@ def campaign_result(
         ][:MAX_DRAWN_CHANNELS],
         "causes": [{**_removable_share(n, e, say), "shares": []} for n, e in evidence.items() if e],
         "lives": {one.name: recording_mix_life_text(one, say) for one in mix.lives},
-        **_report_message(told),
+        **_report_message(*told),
     }
 
 
@@ -293,7 +297,8 @@ def _open_upload(args: Json) -> Recording:
     """Return the recording that was brought, by the name it had where it came from."""
     of = args["recording"]
     try:
-        return replace(open_recording(Path(of["path"])), name=of["name"])
+        databases = [Path(path) for path in of.get("databases", ())]
+        return replace(open_recording(Path(of["path"]), dbc=databases), name=of["name"])
     except ImportError as error:
         raise _missing_dependency(error) from error
 
@@ -423,14 +428,19 @@ def _without_pictures(of: RecordingAssessment) -> RecordingAssessment:
     return replace(of, figures=of.figures and replace(of.figures, spectrograms=(), histories=()))
 
 
-def _report_message(of: ReportDocument) -> Json:
-    """Return what a report says of recordings; its first page is a sheet for paper."""
+def _report_message(of: ReportDocument, bare: ReportDocument) -> Json:
+    """Return what a report says of recordings: figures of its first page, the rest of a `bare` one.
+
+    The figures are those of the gauge that governs; tables of that page are of paper's size.
+    """
+    first = of.chapters[0]
+    figures = tuple(block for block in first.blocks if isinstance(block, Figures))
+    chapters = (*([replace(first, blocks=figures)] if figures else []), *bare.chapters[1:])
     return {
         "grade": of.grade,
         "verdict": of.verdict,
         "summary": of.summary,
         "chapters": [
-            {"title": c.title, "blocks": report_blocks_to_messages(c.blocks)}
-            for c in of.chapters[1:]
+            {"title": c.title, "blocks": report_blocks_to_messages(c.blocks)} for c in chapters
         ],
     }

@@ -848,3 +848,12 @@ def test_proposal_names_line_of_remaining_failures():
     """In a vehicle of several lines what still warns may be of another one."""
     said = run("fix", "--all", EXAMPLES / "tandem-6x4.yaml").stdout
     assert re.search(r"still (?:warn|fail): (main|inter-axle|[a-z-]+): ", said)
+
+
+@pytest.mark.parametrize(
+    ("code", "said"), [("pt_BR.UTF-8", "foi gravado"), ("it_IT", "è stato scritto")]
+)
+def test_new_says_that_it_wrote_in_language_of_locale(tmp_path, code, said):
+    done = CliRunner().invoke(cli, ["new", str(tmp_path / "a.yaml")], env={"LC_ALL": code})
+    assert done.exit_code == 0
+    assert said in done.stdout

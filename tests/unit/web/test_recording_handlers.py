@@ -17,6 +17,7 @@ from websockets.exceptions import ConnectionClosed
 from workbench import PATIENCE, page, running
 
 import cardan
+from cardan.core.errors import CardanError
 from cardan.core.units import MPa
 from cardan.physics.signals.recording import Channel
 from cardan.physics.signals.synthetic import GaugeStressPerCause, synthetic_recording
@@ -242,6 +243,18 @@ def test_life_job_matches_life_command(run):
     assert k in np.argsort(mean)[-4:]
     tables = [b for c in told["chapters"] for b in c["blocks"] if b["kind"] == "table"]
     assert any(row[0] == "S1" for b in tables for row in b["rows"])
+    # What the report's first page draws of the gauge that governs.
+    first = told["chapters"][0]
+    titles = [b["title"] for b in first["blocks"]]
+    assert first["title"] == "Life and cause"
+    assert [b["kind"] for b in first["blocks"]] == ["figure"] * 4
+    for drawn, what in zip(
+        titles,
+        ("stress over time", "Rainflow matrix", "S-N curve", "share of the damage"),
+        strict=True,
+    ):
+        assert what.lower() in drawn.lower()
+    assert all(b["svg"].startswith("<svg") for b in first["blocks"])
 
 
 @pytest.mark.slow
@@ -286,7 +299,7 @@ def test_localised_target_hours_are_parsed_or_rejected(run, lang, typed, hours):
     if isinstance(hours, str):
         assert hours in told["problems"][0]["message"]
         return
-    rows = told["chapters"][0]["blocks"][0]["rows"]
+    rows = told["chapters"][1]["blocks"][0]["rows"]
     (bound,) = {row[4].removeprefix("≥ ") for row in rows}
     assert bound == Translator(lang).number(hours)
 
@@ -527,8 +540,10 @@ def test_campaign_life_matches_life_command(run):
         assert mine["removed"] == pytest.approx(theirs.damage_share, abs=1e-4)
         assert [mine["low"], mine["high"]] == pytest.approx(list(theirs.interval), abs=1e-4)
     titles = [c["title"] for c in told["chapters"]]
-    assert titles == ["Verdict", "The mix", "run.csv", "again, up", "again, down"]
-    table = told["chapters"][1]["blocks"][0]
+    assert titles == [
+        "Life and cause", "Verdict", "The mix", "run.csv", "again, up", "again, down",
+    ]  # fmt: skip
+    table = told["chapters"][2]["blocks"][0]
     life = mix.lives[0].parts[0][0].life
     per_km = table["rows"][0][table["head"].index("per km")]
     assert float(per_km) == pytest.approx(life.damage / (life.distance / 1e3), rel=5e-3)
@@ -561,3 +576,71 @@ def test_missing_campaign_file_is_reported_by_name(run):
     assert told["problems"][0]["message"] == "gone.csv: no such file"
     told = of_campaign("drive", TRUCK, run.parent)
     assert told["problems"][0]["message"] == "c.yaml is no campaign of recordings"
+
+
+BUS = """VERSION ""
+BU_: ECU
+BO_ 2364540158 EEC1: 8 ECU
+ SG_ EngSpeed : 24|16@1+ (0.125,0) [0|8031.875] "rpm" ECU
+"""
+
+
+def bus_log(path):
+    """Write a Vector ASC of an engine at 1000 to 1400 rpm, a frame each 10 ms."""
+    head = "date Mon Nov 2 10:00:00.000 am 2026\nbase hex  timestamps absolute\n"
+    codes = [8000 + 8 * k for k in range(400)]
+    rows = [
+        f"   {0.01 * k:.6f} 1  CF00400x       Rx   d 8 FF FF FF {code & 255:02X} {code >> 8:02X} "
+        "FF FF FF"
+        for k, code in enumerate(codes)
+    ]
+    path.write_text(head + "\n".join(rows) + "\n", encoding="ascii")
+    return path
+
+
+def test_can_database_brought_before_a_log_decodes_it(house, tmp_path, monkeypatch):
+    """And goes with it: what is brought next has none."""
+    server = tmp_path / "server"
+    server.mkdir()
+    monkeypatch.setattr(parcel.tempfile, "tempdir", str(server))
+    log, database = bus_log(tmp_path / "bus.asc"), tmp_path / "bus.dbc"
+    database.write_text(BUS, encoding="ascii")
+    with page(house) as one:
+        one.hello()
+        one.open()
+        assert bring(one, database)["got"] == database.stat().st_size
+        one.say("job", id=1, job="recording", text="", args={})
+        assert one.hear("done")["fault"] == "nothing brought"
+        bring(one, log)
+        assert sorted(p.name for p in kept(server)) == ["database-0.dbc", "recording.asc"]
+        one.say("job", id=2, job="recording", text="", args={})
+        told = one.hear("done")
+        (speed,) = [c for c in told["channels"] if "EngSpeed" in c["name"]]
+        assert (speed["role"], speed["unit"]) == ("engine", "rpm")
+        assert (speed["low"], speed["high"]) == (1000, 1399)
+        bring(one, log)
+        assert [p.name for p in kept(server)] == ["recording.asc"]
+        one.say("job", id=3, job="recording", text="", args={})
+        assert "dbc" in json.dumps(one.hear("done")).lower()
+
+
+def test_file_between_database_and_log_takes_the_database_away(tmp_path, monkeypatch):
+    monkeypatch.setattr(parcel.tempfile, "tempdir", str(tmp_path))
+    one = parcel.Upload()
+    one.begin({"id": 1, "name": "a.dbc", "size": 3})
+    one.append_chunk({"at": 0, "data": "YWJj"})
+    assert one.complete_file is None
+    with pytest.raises(CardanError, match="no reader"):
+        one.begin({"id": 2, "name": "a.exe", "size": 3})
+    one.close()
+    one.begin({"id": 3, "name": "a.asc", "size": 3})
+    one.append_chunk({"at": 0, "data": "YWJj"})
+    assert one.complete_file is not None
+    assert one.complete_file["databases"] == []
+    for k in range(parcel.MAX_DATABASES):
+        one.begin({"id": 4 + k, "name": "b.dbc", "size": 3})
+        one.append_chunk({"at": 0, "data": "YWJj"})
+    with pytest.raises(CardanError, match="at most"):
+        one.begin({"id": 99, "name": "b.dbc", "size": 3})
+    one.close()
+    assert kept(tmp_path) == []

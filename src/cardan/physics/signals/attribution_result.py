@@ -29,6 +29,7 @@ DOUBT_ENGINE_ORDER_OVERLAP = Finding("engine-order-overlap")
 DOUBT_NO_ENGINE_SPEED = Finding("no-engine-speed")
 DOUBT_TORQUE_INDEPENDENT = Finding("torque-independent")
 DOUBT_CONSTANT_FREQUENCY = Finding("constant-frequency")
+DOUBT_RESPONSE_STEP = Finding("response-step")
 DOUBT_DOUBLE_SPEED = Finding("double-speed")
 DOUBT_HALF_SPEED = Finding("half-speed")
 DOUBT_SPEED_SCALE = Finding("speed-scale")
@@ -143,8 +144,12 @@ def combine_attributions(
         return parts[0]
     chief = parts[int(np.argmax(w))]
     low, high = (float(w @ [p.interval[k] for p in parts]) for k in (0, 1))
+    # Of one kind with values of their own, the first stretch's.
+    doubts: dict[str, Finding] = {}
+    for doubt in (d for p in parts for d in p.doubts):
+        doubts.setdefault(doubt.code, doubt)
     return replace(
         chief, damage_share=float(w @ [p.damage_share for p in parts]), interval=(low, high),
         f_statistic=max(p.f_statistic for p in parts),
-        doubts=tuple(dict.fromkeys(d for p in parts for d in p.doubts)),
+        doubts=tuple(doubts.values()),
     )  # fmt: skip

@@ -26,6 +26,7 @@ from cardan.physics.signals.attribution_result import (
     DOUBT_NO_RELIABLE_SHAFT_ANGLE,
     DOUBT_NO_TORQUE,
     DOUBT_ORDER_6_SUGGESTS_RATTLE,
+    DOUBT_RESPONSE_STEP,
     DOUBT_SHAFT_ANGLE_MAY_SLIP,
     DOUBT_SIDEBANDS,
     DOUBT_SPEED_OF_OTHER_SHAFT,
@@ -53,6 +54,11 @@ from cardan.physics.signals.identification_problem import (
     decimate,
 )
 from cardan.physics.signals.order_tracking import ShaftRotation
+from cardan.physics.signals.response_step import (
+    MIN_STEP_LN,
+    damage_ratios_of_gain_step,
+    response_step,
+)
 from cardan.physics.signals.shaft_angle import ShaftAngle
 from cardan.physics.signals.synchronous_fit import (
     MIN_DETECTION_F_STATISTIC,
@@ -350,12 +356,51 @@ def _result_with_lock(case: IdentificationProblem, seed: int) -> JointCausedStre
             DOUBT_BUMP_STOP_IMPACTS,
         )
     span = case.widen_for_bump_stop_preload(mean, span)
+    if (doubt := _response_step_doubt(case, theirs)) is not None:
+        span = span.doubting(doubt)
     low, high = (float(v) for v in np.clip([span.low, span.high], -1.0, 1.0))
     found = _joint_attribution(case, float(np.clip(middle, low, high)), low, high, span.doubts)
     return JointCausedStress(
         replace(found, modes=line.modes), whole, case.amplitude_at_full_rate(theirs.second()),
         case.total_damage,
     )  # fmt: skip
+
+
+MIN_NOTED_DAMAGE_CHANGE = 0.2
+"""Change of the damage, relative, by a gain that stepped, from which that is said."""
+
+
+MAX_STEP_TO_STEP_OF_GAINS = 4.0
+"""Step between fits of two parts over that of the whole fit's gains, as logarithms: a fit of both
+hides three quarters of it at most."""
+
+
+def _response_step_doubt(case: IdentificationProblem, theirs: "_JointLines") -> Finding | None:
+    """Return by how much the damage may be off where order 2 per torque steps; else None."""
+    middle, gain, _ = theirs.gains[0]
+    line = case.order2_fit
+    sure = case.measured and line.f_statistic >= FULL_CONFIDENCE_F_STATISTIC
+    step = response_step(middle, gain) if sure else None
+    if step is None:
+        return None
+    at = round(step.time * case.rate)
+    # The gains are of what was fitted to both parts: each by itself tells how far they are apart.
+    before, after = (
+        least_squares(line.columns[:, part], line.fitted_signal[part])[0] @ line.columns
+        for part in (slice(at), slice(at, None))
+    )
+    power = float(np.vdot(before, before).real)
+    factor = float(np.sqrt(np.vdot(after, after).real / max(power, 1e-300)))
+    apart, seen = np.log(max(factor, 1e-3)), np.log(step.factor)
+    if not (apart * seen > 0 and MIN_STEP_LN < abs(apart) < MAX_STEP_TO_STEP_OF_GAINS * abs(seen)):
+        return None
+    low, high = damage_ratios_of_gain_step(case.stress, at * case.every, factor, damage=case.damage)
+    most = 1 + MIN_NOTED_DAMAGE_CHANGE
+    if 1 / most < low and high < most:
+        return None
+    return DOUBT_RESPONSE_STEP.with_values(
+        time=case.start + step.time, factor=factor, low=low, high=high
+    )
 
 
 def _joint_attribution(

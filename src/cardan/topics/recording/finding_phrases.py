@@ -21,6 +21,7 @@ from cardan.physics.signals.attribution_result import (
     DOUBT_NO_RELIABLE_SHAFT_ANGLE,
     DOUBT_NO_TORQUE,
     DOUBT_ORDER_6_SUGGESTS_RATTLE,
+    DOUBT_RESPONSE_STEP,
     DOUBT_SHAFT_ANGLE_MAY_SLIP,
     DOUBT_SHAFT_STOPPED,
     DOUBT_SHORT_TORQUE_PULSE,
@@ -68,8 +69,8 @@ CHANNEL_PHRASES = {
     "zero-step": "steps of the zero: {places}, the first at {first} s",
     "gain": "changes of the gain: {places}, the first at {first} s",
     "response": (
-        "stops responding while another gauge goes on, wholly or above a frequency; places: "
-        "{places}, the first at {first} s"
+        "stops responding, wholly or above a frequency, while another gauge goes on, or its "
+        "values lose their step; places: {places}, the first at {first} s"
     ),
     "noise": (
         "samples of white noise, as of a contact that chatters: {samples}; places: "
@@ -113,6 +114,10 @@ INTERVAL_PHRASES = {
     DOUBT_TORQUE_INDEPENDENT.code: (
         "order 2 is the same whatever the torque, and what joints do goes with it: a "
         "wheel's, a bent flange's, or is the torque another's?"
+    ),
+    DOUBT_RESPONSE_STEP.code: (
+        "order 2 per torque is {factor} times as large from about {time} s on: if the gauge's gain "
+        "changed there, and not the line, the damage may be {low} to {high} times that shown"
     ),
     DOUBT_CONSTANT_FREQUENCY.code: (
         "neither speed nor torque changes: a tone of its own, of a pump or a fan, would do "
@@ -297,6 +302,10 @@ _FORMATS: Mapping[str, Mapping[str, Callable[[Any], object]]] = {
     },
     REASON_STUCK_BIT.code: {"width": _number(".3g")},
     DOUBT_DAMAGE_ABOVE_FAILURE.code: {"times": _number(".3g")},
+    DOUBT_RESPONSE_STEP.code: {
+        "time": _number(".3g"), "factor": _number(".2f"), "low": _number(".2g"),
+        "high": _number(".2g"),
+    },
     DOUBT_ORDERS_COINCIDE.code: {
         "order": _number("g"), "second": _number("g"), "share": _percent
     },

@@ -11,11 +11,12 @@ from cardan.core.units import MPa, hour
 from cardan.core.verdict import CHECK_GRADES, Check, CheckGrade, worst_first_key
 from cardan.physics.signals.assessment import GaugeAssessment
 from cardan.physics.signals.attribution_result import (
+    DOUBT_RESPONSE_STEP,
     JOINTS_DOMINANT,
     UNDETERMINED,
     JointAttribution,
 )
-from cardan.physics.signals.damage_attribution import ShapleyAttribution
+from cardan.physics.signals.damage_attribution import CAUSE_JOINTS, ShapleyAttribution
 from cardan.render.check_texts import limit_text, uncapitalised, unit_text, value_text
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import grouped_unevaluated_lines
@@ -33,7 +34,7 @@ from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, table_l
 from cardan.topics.recording import alternative_life_presentation as otherwise
 from cardan.topics.recording import presentation as report
 from cardan.topics.recording.campaign_assessment import CampaignAssessment, MixGaugeResult
-from cardan.topics.recording.finding_phrases import finding_messages
+from cardan.topics.recording.finding_phrases import finding_message, finding_messages
 from cardan.topics.recording.identification_presentation import doubt_sentences
 from cardan.topics.recording.life_verdict import assessment_verdict
 from cardan.topics.recording.options import LIFE_OPTION_SOURCE
@@ -328,16 +329,21 @@ def _evidence_cells(of: JointAttribution | None, say: Translator) -> list[str]:
 
 
 def _largest_cause_lines(gauges: Sequence[GaugeResult], say: Translator, width: int) -> list[str]:
-    """Return the largest shares of the damage where the joints are not found to dominate."""
+    """Return the largest cause beside the joints where these are not found to dominate.
+
+    The joints' own share stands in the table, by phase and torque; that of the orders
+    (`ShapleyAttribution.share`) is another number, and only in the full result.
+    """
     items: list[str] = []
     for g in gauges:
         if g.evidence is None or g.evidence.verdict == JOINTS_DOMINANT or g.causes is None:
             continue
-        chief, share = max(g.causes.shares.items(), key=lambda one: one[1])
-        if g.causes.total_damage > 0:
+        others = {name: s for name, s in g.causes.shares.items() if name != CAUSE_JOINTS}
+        if others and g.causes.total_damage > 0:
+            chief, share = max(others.items(), key=lambda one: one[1])
             items.append(f"{g.name} {say(chief)} {share_text(share, say)}")
     return capped_list_lines(
-        say("Largest share of the damage:"), items, MAX_LIST_LINES, "--all", say, width
+        say("Largest share apart from the joints:"), items, MAX_LIST_LINES, "--all", say, width
     )
 
 
@@ -402,7 +408,14 @@ def _signature_items(
         for c in found.checks
         if c.within and _may_turn(c)
     ]
-    for _, part in parts:
+    for name, part in parts:
+        doubts = part.causes.doubts if part.causes is not None else ()
+        # More than why a cause is open.
+        items += [
+            say.join(name, say.translate_message(finding_message(doubt)))
+            for doubt in doubts
+            if _is_of_damage(doubt)
+        ]
         if part.identification is not None:
             items += doubt_sentences(part.identification, say)
         # The last one says that the promise may be of another line.
@@ -433,6 +446,12 @@ def _signature_items(
                 if not any(doubt in item for item in items)  # as the reason of an open cause
             ]
     return list(dict.fromkeys(items))
+
+
+def _is_of_damage(doubt: Finding) -> bool:
+    """Return whether a doubt, of a gauge, says that the damage itself may be another."""
+    of = dict(doubt.values).get("doubt", doubt)
+    return isinstance(of, Finding) and of.code == DOUBT_RESPONSE_STEP.code
 
 
 def _may_turn(c: Check) -> bool:

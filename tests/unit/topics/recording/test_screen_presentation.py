@@ -7,8 +7,15 @@ import numpy as np
 import pytest
 
 from cardan.approval.study import StudyResult
-from cardan.physics.signals.attribution_result import DOUBT_NO_TORQUE, JointAttribution
-from cardan.physics.signals.cause_assessment import DOUBT_ORDERS_COINCIDE
+from cardan.physics.signals.attribution_result import (
+    DOUBT_NO_TORQUE,
+    DOUBT_RESPONSE_STEP,
+    JointAttribution,
+)
+from cardan.physics.signals.cause_assessment import (
+    DOUBT_AT_GAUGE_TEMPLATE,
+    DOUBT_ORDERS_COINCIDE,
+)
 from cardan.physics.signals.damage_attribution import (
     CAUSE_JOINTS,
     CAUSE_SUDDEN_EVENTS,
@@ -83,8 +90,31 @@ def test_screen_has_verdict_life_with_interval_and_cause_worst_gauge_first():
     assert " ".join(better[5:]) == "97 % (90 … 100) joints dominate"
     said = " ".join(" ".join(lines).split())
     assert "fatigue life min 100 h: 1 exceeded, 1 met; worst S2" in said
-    assert "Largest share of the damage: S2 events 75 %" in said
+    assert "Largest share apart from the joints: S2 events 75 %" in said
     assert "cause at S2 undetermined: no torque shows when the joints pull" in said
+
+
+def test_screen_has_one_share_of_the_joints():
+    """That by phase and torque; the orders' Shapley share, here the largest, is another number."""
+    of = with_causes(found(signal(20.0), signal(40.0)))
+    shares = ShapleyAttribution((CAUSE_JOINTS, CAUSE_SUDDEN_EVENTS), np.array([0, 0.7, 0.2, 1.0]))
+    causes = of.answer.causes
+    causes.attributions = (shares,) * len(causes.gauges)
+    said = " ".join(" ".join(screen(of)).split())
+    assert "Largest share apart from the joints: S2 events 25 %" in said
+    assert "75 %" not in said
+
+
+def test_doubt_about_the_damage_itself_stands_before_other_doubts():
+    of = with_causes(found(signal(20.0), signal(40.0)), doubts=9)
+    step = DOUBT_RESPONSE_STEP.with_values(time=48.0, factor=1.7, low=0.1, high=2.3)
+    of.answer.causes.doubts += (DOUBT_AT_GAUGE_TEMPLATE.with_values(gauge="S2", doubt=step),)
+    lines = screen(of)
+    begin = lines.index("Before you sign")
+    said = " ".join(" ".join(lines[begin + 1 : begin + 5]).split())
+    assert said.startswith("S2: order 2 per torque is 1.70 times as large from about 48 s on")
+    assert "the damage may be 0.1 to 2.3 times that shown" in said
+    assert " ".join(lines).count("order 2 per torque") == 1
 
 
 def test_rejected_gauge_has_no_life_and_next_command_decides_on_its_fault():

@@ -8,11 +8,13 @@ from cardan.physics.signals.faults import (
     mains_hum,
     rectified,
     stuck_bit,
+    value_steps,
     waveform,
     whole_channel,
 )
 
 FAULT_SOURCES = (
+    value_steps.SOURCE,
     waveform.SOURCE,
     rectified.SOURCE,
     gain_change.SOURCE,
