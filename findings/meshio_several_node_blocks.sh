@@ -15,8 +15,7 @@
 #
 # `_abaqus.py` sets `points, point_ids = _read_nodes(f)` at each *NODE, and what was read is gone.
 # CalculiX 2.20 reads the same decks: it stretches the tetrahedron by F L/(E V) = 6, as one of volume 1/6.
-# cardan's own decks have two blocks (the mesh, and the bearing's reference node): meshio cannot read
-# them.
+# cardan writes one block, and its decks are read.
 #
 # Run by hand: bash findings/meshio_several_node_blocks.sh. Needs Python 3.11 or later and a package
 # index. It fails if the output is another one.
