@@ -233,8 +233,8 @@ def _picked(
         msg = (
             f"{name}: no face of {path} lies within 1 mm of "
             f"{tuple(round(v, 3) for v in point)} mm: the nearest is {distances[best]:.3g} mm "
-            f"away, a face of {faces[best].mass:.4g} mm2 about ({c.x:.4g}, {c.y:.4g}, {c.z:.4g}) mm, "
-            f"and all of them measure {_size_of(faces)} mm"
+            f"away, a face of {faces[best].mass:.4g} mm2 about ({c.x:.4g}, {c.y:.4g}, {c.z:.4g}) "
+            f"mm, and all of them measure {_size_of(faces)} mm"
         )
         raise DesignError(msg, about=about)
     near = {k for k, d in enumerate(distances) if d <= distances[best] + _TIE}

@@ -128,7 +128,7 @@ def test_calculix_deck_names_sets_and_directs_accelerations(deck):
 
 
 def test_calculix_deck_has_one_block_of_nodes(deck):
-    """A common reader of meshes keeps the last block alone: findings/meshio_several_node_blocks.sh."""
+    """A common reader keeps the last block alone: findings/meshio_several_node_blocks.sh."""
     lines = inp_text(deck).splitlines()
     assert [one for one in lines if one.startswith("*NODE,")] == ["*NODE,NSET=NALL"]
     end = lines.index("*NSET,NSET=REFERENCE")
