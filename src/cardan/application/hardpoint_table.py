@@ -1,16 +1,14 @@
 """Hardpoints of a line from a table: a CSV file, or what a spreadsheet copies."""
 
 import re
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
-from cardan.application.paste_import import (
-    interpretations_of_ambiguous_number,
-    parse_localised_number,
-)
+from cardan.application.delimited_table import decimal_sign, divided_rows
+from cardan.application.paste_import import parse_localised_number
+from cardan.application.placeholders import text_with_value_entered
 from cardan.application.yaml_edit import YamlEditor
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import FileIssue, InvalidFileError
@@ -23,7 +21,9 @@ MAX_ROWS = 200
 MAX_BEARING_OFFSET_M = 20 * mm
 """How far a centre bearing may be off the shaft that it carries: engineering judgement."""
 
-_HEADING = re.compile(r"([xyz])\s*[\[(_ ]?\s*(mm|cm|m|in|ft)?\s*[\])]?", re.IGNORECASE)
+_AXES = ("xyz", "lwh")
+"""Headings of the axes; length, width and height of ISO 21308: rearward, right and up, too."""
+_HEADING = re.compile(r"([xyzlwh])\s*[\[(_ ]?\s*(mm|cm|m|in|ft)?\s*[\])]?", re.IGNORECASE)
 _JOINT = re.compile(r"joint(\d{1,2})")
 _BEARING = re.compile(r"(?:cent(?:re|er))?bearing(\d{1,2})")
 
@@ -41,25 +41,22 @@ def read_hardpoints(path: Path) -> tuple[Hardpoint, ...]:
     """Return the points of a table: name, x, y and z, with the unit in the heading.
 
     Columns are divided by tabs, semicolons or commas. Between tabs and semicolons numbers may have
-    decimal commas.
+    decimal commas. L, W and H of ISO 21308 are x, y and z: behind the first front axle, right of
+    the chassis' centre line, above the frame's top.
 
     Raises
     ------
     InvalidFileError
         If the heading lacks a column or the unit, or with every row that cannot be read.
     """
-    rows = [
-        (k, [c.strip().strip('"') for c in row])
-        for k, row in enumerate(_divided(read_text(path)), 1)
-        if any(c.strip() for c in row)
-    ][: MAX_ROWS + 1]
+    rows = divided_rows(read_text(path))[: MAX_ROWS + 1]
     if not rows:
         raise InvalidFileError(str(path), (FileIssue(message="holds no row"),))
     (at, heading), *body = rows
     axes, unit = _columns_of(heading, at, path)
     names = next(k for k in range(len(heading)) if k not in axes)
     numbers = [c[k] for _, c in body for k in axes if k < len(c)]
-    decimal = _decimal_sign(numbers)
+    decimal = decimal_sign(numbers)
     problems: list[FileIssue] = []
     found: list[Hardpoint] = []
     for line, cells in body:
@@ -80,21 +77,13 @@ def _brief(said: str) -> str:
     return to_one_line(said)[:60]
 
 
-def _divided(text: str) -> Iterator[list[str]]:
-    """Yield the cells of each row, by the sign that divides the heading."""
-    lines = text.splitlines()
-    heading = next((one for one in lines if one.strip()), "")
-    sign = next((s for s in ("\t", ";") if s in heading), ",")
-    for line in lines:
-        yield line.split(sign)
-
-
 def _columns_of(heading: list[str], line: int, path: Path) -> tuple[tuple[int, int, int], str]:
     """Return the columns of x, y and z, and their unit."""
     found = {m[1].lower(): (k, m[2]) for k, c in enumerate(heading) if (m := _HEADING.fullmatch(c))}
-    units = {unit.lower() for _, unit in found.values() if unit}
+    axes = next((letters for letters in _AXES if set(letters) <= set(found)), "")
+    units = {unit.lower() for letter, (_, unit) in found.items() if unit and letter in axes}
     message = ""
-    if set(found) != {"x", "y", "z"} or len(heading) < 4:
+    if not axes or len(heading) < 4:
         message = "the heading must name four columns: name, x, y and z"
     elif len(units) != 1:
         message = "the heading must name one unit: mm, cm, m, in or ft"
@@ -106,21 +95,8 @@ def _columns_of(heading: list[str], line: int, path: Path) -> tuple[tuple[int, i
             line=line,
         )
         raise InvalidFileError(str(path), (issue,))
-    return (found["x"][0], found["y"][0], found["z"][0]), units.pop()
-
-
-def _decimal_sign(numbers: list[str]) -> str:
-    """Return the decimal sign of a table: the one that some number can have as nothing else."""
-    for number in numbers:
-        last = max(number.rfind("."), number.rfind(","))
-        if last < 0:
-            continue
-        sign, other = number[last], "," if number[last] == "." else "."
-        alone = number.count(sign) == 1
-        if alone and not interpretations_of_ambiguous_number(number, decimal=other):
-            return sign
-    # No number decides: one that may be either is then refused, whichever sign is taken.
-    return "," if any("." in n for n in numbers) else "."
+    first, second, third = (found[letter][0] for letter in axes)
+    return (first, second, third), units.pop()
 
 
 # --------------------------------------------------------------------------- into an application
@@ -174,9 +150,7 @@ def text_with_hardpoints(
     changed = editor.with_changes(changes)
     for key in done:
         if key in application.placeholders:
-            name = key.rpartition(".")[2]
-            changed = re.sub(rf"(?m)^ *- {re.escape(key)} *\n", "", changed)
-            changed = re.sub(rf"(?m)^( *{name}: .*# )placeholder", r"\1entered", changed)
+            changed = text_with_value_entered(changed, key)
     return changed
 
 

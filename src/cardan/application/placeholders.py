@@ -1,5 +1,7 @@
 """Keys of an application whose values are not the vehicle's yet."""
 
+import re
+
 from cardan.schema.node_reader import NodeReader, nearest_name_hint
 
 
@@ -19,3 +21,10 @@ def checked_placeholders(keys: tuple[str, ...], here: NodeReader) -> tuple[str, 
             "enter the vehicle's values, and take their keys out of the list",
         )
     return keys
+
+
+def text_with_value_entered(text: str, key: str) -> str:
+    """Return the text of an application without a key in `placeholders`, whose value is entered."""
+    name = re.escape(key.rpartition(".")[2])
+    text = re.sub(rf"(?m)^ *- {re.escape(key)} *\n", "", text)
+    return re.sub(rf"(?m)^( *{name}: .*# )placeholder", r"\1entered", text)

@@ -220,7 +220,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       power.compare_duty_torques,
       (0.01, 1.05), hint="it is counted at the gearbox output"),
     R("largest_duty_torque", "the duty's largest torque over the line's largest",
-      power.compare_largest_duty_torque, (0.25, inf),
+      power.compare_largest_duty_torque, (0.22, inf),
       hint="is a digit missing, or is pulling away left out?"),
     R("duty_powers", "the power of this share of the life over that of the hardest one",
       power.compare_duty_powers, (0.15, 1), DUTY_POWER_SOURCE,

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
-from cardan.application.simulated_duty import DUTY_HINT
+from cardan.application.duty_collective import DUTY_HINT
 from cardan.application.typical_values import vehicle_class_of
 from cardan.application.vecto_job import VectoJob
 from cardan.core.units import kW, mm, rpm

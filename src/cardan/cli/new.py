@@ -48,8 +48,19 @@ _INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
 @click.option("--vmod", type=_INPUT_FILE, metavar="RESULTS",
               help="The duty cycle of a trip that VECTO simulated (.vmod), for --vecto or "
               "--of.")  # fmt: skip
+@click.option("--duty-from", "recording", type=_INPUT_FILE, metavar="RECORDING",
+              help="The duty cycle of a recording with shaft torque and speed, for --vecto or "
+              "--of.")  # fmt: skip
+@click.option("--torque", metavar="CHANNEL[:UNIT]",
+              help="Shaft torque in --duty-from; found by unit and name otherwise.")  # fmt: skip
+@click.option("--speed", metavar="CHANNEL[:UNIT]",
+              help="Shaft speed in --duty-from, or the vehicle's speed; found by unit and name "
+              "otherwise.")  # fmt: skip
 @click.option("--hardpoints", type=_INPUT_FILE, metavar="TABLE",
               help="Points of the line from a table: name, x [mm], y [mm], z [mm].")  # fmt: skip
+@click.option("--bep", "measures", type=_INPUT_FILE, metavar="TABLE",
+              help="Wheelbase and axle spacing of a chassis from a table of ISO 21308 codes: "
+              "BEP-L011, value [mm].")  # fmt: skip
 @click.option("--force", is_flag=True, help="Replace the file.")
 @exit_with_code_2_on_known_errors
 def new(
@@ -62,7 +73,11 @@ def new(
     own: Path | None,
     job: Path | None,
     vmod: Path | None,
+    recording: Path | None,
+    torque: str | None,
+    speed: str | None,
     hardpoints: Path | None,
+    measures: Path | None,
     force: bool,
 ) -> None:
     """Write a commented FILE to start from.
@@ -79,18 +94,24 @@ def new(
     With --vecto it holds what the job says. Values that no file gives are placeholders, listed in
     the file: nothing is evaluated before they are replaced.
 
-    With --vmod or --hardpoints alone every other value is that of the starter or of --of.
+    With --vmod, --duty-from, --bep or --hardpoints alone every other value is that of the starter
+    or of --of.
     """
     from cardan.application import templates
 
     if (wheelbase_from is None) != (wheelbase_to is None):
         raise_command_error("--wheelbase-from and --wheelbase-to are given together")
-    imports = ImportedFiles(job=job, vmod=vmod, hardpoints=hardpoints)
-    if imports.any_given:
+    if recording is None and (torque is not None or speed is not None):
+        raise_command_error("--torque and --speed name channels of --duty-from: give a recording")
+    imports = ImportedFiles(
+        job=job, vmod=vmod, recording=recording, torque=torque, speed=speed,
+        hardpoints=hardpoints, measures=measures,
+    )  # fmt: skip
+    if imports.files:
         if example is not None or wheelbase_from is not None or kind == CAMPAIGN_KIND:
             raise_command_error(
-                "--vecto, --vmod and --hardpoints go with a starter or --of, not with --example, "
-                "a campaign or another wheelbase"
+                "--vecto, --vmod, --duty-from, --hardpoints and --bep go with a starter or --of, "
+                "not with --example, a campaign or another wheelbase"
             )
         write_imported(file, imports, kind=_kind_given(kind), own=own, replace=force)
         return
@@ -113,8 +134,8 @@ def new(
         return
     if own is not None:
         raise_command_error(
-            "--of changes an application: give --wheelbase-from and --wheelbase-to, --vmod or "
-            "--hardpoints"
+            "--of changes an application: give --wheelbase-from and --wheelbase-to, --vmod, "
+            "--duty-from, --hardpoints or --bep"
         )
     write_output(file, templates.template_text(kind), replace=force)
     announce_application(file)

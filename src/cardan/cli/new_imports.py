@@ -1,11 +1,15 @@
-"""`cardan new` from files of other tools: a VECTO job, its results, a table of hardpoints."""
+"""`cardan new` from files of others: a VECTO job, its results, a recording, tables of measures."""
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cardan.cli.common import announce_application, echo, locale_translator, write_output
 from cardan.cli.exit_codes import raise_command_error
+
+if TYPE_CHECKING:
+    from cardan.application.duty_collective import DutyCollective
+    from cardan.model.application import Application
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -14,12 +18,17 @@ class ImportedFiles:
 
     job: Path | None
     vmod: Path | None
+    recording: Path | None
+    torque: str | None
+    speed: str | None
     hardpoints: Path | None
+    measures: Path | None
 
     @property
-    def any_given(self) -> bool:
-        """Whether there is one."""
-        return any((self.job, self.vmod, self.hardpoints))
+    def files(self) -> tuple[Path, ...]:
+        """Those that are given."""
+        all_ = (self.job, self.vmod, self.recording, self.hardpoints, self.measures)
+        return tuple(one for one in all_ if one is not None)
 
 
 def write_imported(
@@ -27,45 +36,40 @@ def write_imported(
 ) -> None:
     """Write an application with what files of other tools say, and print what was read."""
     from cardan.application import reader
+    from cardan.application.bep_measures import read_measures, text_with_measures
+    from cardan.application.duty_collective import duty_section, text_with_duty
     from cardan.application.hardpoint_table import read_hardpoints, text_with_hardpoints
-    from cardan.application.relation_context import RelationContext
-    from cardan.application.simulated_duty import (
-        duty_section,
-        read_simulated_duty,
-        text_with_duty,
-    )
     from cardan.schema.atomic_write import check_output_paths
 
     if sum(one is not None for one in (imports.job, own, kind)) > 1:
         raise_command_error("--vecto, --of and --kind are three bases: give one of them")
-    if imports.vmod is not None and imports.job is None and own is None:
-        raise_command_error("--vmod is the duty of a vehicle: give it with --vecto or --of")
-    given = [one for one in (imports.job, imports.vmod, imports.hardpoints) if one is not None]
-    check_output_paths({"FILE": out}, inputs=given)
+    if imports.vmod is not None and imports.recording is not None:
+        raise_command_error("--vmod and --duty-from are two duty cycles: give one of them")
+    if (imports.vmod or imports.recording) and imports.job is None and own is None:
+        option = "--vmod" if imports.vmod else "--duty-from"
+        raise_command_error(f"{option} is the duty of a vehicle: give it with --vecto or --of")
+    check_output_paths({"FILE": out}, inputs=imports.files)
     text, said = _base(imports, kind, own)
     source: dict[str, Any] = {} if own is None else {"folder": own.parent}
     application = reader.loads(
         text, name=str(own) if own else f"application of {imports.job or kind}", **source
     )
+    if imports.measures is not None:
+        measures = read_measures(imports.measures)
+        text, notes = text_with_measures(
+            text, application, measures, moves_line=imports.hardpoints is None, **source
+        )
+        said += [f"{imports.measures.name}: {note}." for note in notes]
     if imports.hardpoints is not None:
         points = read_hardpoints(imports.hardpoints)
         text = text_with_hardpoints(text, application, points, source=str(imports.hardpoints))
         said.append(f"{imports.hardpoints.name}: {len(points)} points.")
-    if imports.vmod is not None:
-        axle, tyre = application.lines[0].axle, application.tyre
-        most = float(RelationContext(application=application).largest_torque)
-        duty = read_simulated_duty(
-            imports.vmod,
-            axle_ratio=None if axle is None else float(axle.ratio),
-            dynamic_radius=None
-            if tyre is None
-            else float(tyre.dynamic_radius or tyre.static_radius),
-            largest_torque=most if most > 0 else float("inf"),
-        )
+    if imports.vmod is not None or imports.recording is not None:
+        duty = _duty(imports, application)
         text = text_with_duty(text, duty_section(duty))
         said.append(
-            f"{duty.file}: {len(duty.share)} classes of {duty.duration:.0f} s, "
-            f"{100 * duty.driving_share:.0f} % of it in motion; simulated, not measured."
+            f"duty: {len(duty.share)} classes of {duty.duration:.0f} s, "
+            f"{100 * duty.driving_share:.0f} % of it in motion; {duty.origin}."
         )
     left = reader.loads(text, name=str(out), **source).placeholders  # what is written can be read
     write_output(out, text, replace=replace)
@@ -76,6 +80,29 @@ def write_imported(
         echo(say("{file} is written; enter the values of: {keys}.", file=out, keys=", ".join(left)))
     else:
         announce_application(out)
+
+
+def _duty(imports: ImportedFiles, application: "Application") -> "DutyCollective":
+    """Return the duty cycle of modal results or of a recording, for an application's vehicle."""
+    axle, tyre = application.lines[0].axle, application.tyre
+    ratio = None if axle is None else float(axle.ratio)
+    radius = None if tyre is None else float(tyre.dynamic_radius or tyre.static_radius)
+    if imports.recording is not None:
+        from cardan.topics.recording.measured_duty import read_measured_duty
+
+        return read_measured_duty(
+            imports.recording, speed=imports.speed, torque=imports.torque,
+            axle_ratio=ratio, tyre_radius=radius,
+        )  # fmt: skip
+    assert imports.vmod is not None
+    from cardan.application.relation_context import RelationContext
+    from cardan.application.simulated_duty import read_simulated_duty
+
+    most = float(RelationContext(application=application).largest_torque)
+    return read_simulated_duty(
+        imports.vmod, axle_ratio=ratio, dynamic_radius=radius,
+        largest_torque=most if most > 0 else float("inf"),
+    )  # fmt: skip
 
 
 def _base(imports: ImportedFiles, kind: str | None, own: Path | None) -> tuple[str, list[str]]:

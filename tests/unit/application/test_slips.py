@@ -290,7 +290,8 @@ OTHERS = [
     # --- digits swapped, a digit missing
     (REFUSE, Slip({"gearbox.reverse_ratio": 3.05}, "planetary_reverse_ratio")),
     ("van", Slip({"gearbox.reverse_ratio": 3.06}, "reverse_ratio")),
-    (REFUSE, Slip({"duty.0.torque_Nm": 400}, "largest_duty_torque")),
+    # VECTO's own regional delivery reaches 0.226 of a truck's largest torque, and is none.
+    (REFUSE, Slip({"duty.0.torque_Nm": 400, "duty.1.torque_Nm": 180}, "largest_duty_torque")),
     (BUS, Slip({"duty.0.torque_Nm": 260}, "largest_duty_torque")),
     # --- the whole stroke given each way
     (REFUSE, Slip({f"{SHAFT3}.spline.plunge_mm": 110, f"{SHAFT3}.spline.draw_mm": 110},

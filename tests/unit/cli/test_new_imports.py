@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from cardan.application import reader
-from cardan.application.simulated_duty import duty_classes
+from cardan.application.duty_collective import duty_classes
 from cardan.approval.approval import approve_application
 from cardan.cli import cli
 from cardan.core.errors import DesignError

@@ -41,3 +41,21 @@ def test_hook_before_a_commit_checks_application_files(tmp_path):
     for files, code in (([right], 0), ([right, wrong], 1)):
         done = CliRunner().invoke(cli, [*arguments, *map(str, files)])
         assert done.exit_code == code, done.output
+
+
+def test_conda_recipe_asks_for_what_the_package_does():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    recipe = yaml.safe_load((ROOT / "conda/recipe.yaml").read_text(encoding="utf-8"))
+    asked = {text.replace(" ", "").lower() for text in recipe["requirements"]["run"]}
+    package = project["project"]
+    assert asked == {
+        *(text.lower() for text in package["dependencies"]),
+        f"python{package['requires-python']}",
+    }
+    assert {text.replace(" ", "") for text in recipe["requirements"]["host"]} >= {
+        *project["build-system"]["requires"]
+    }
+    assert recipe["context"]["version"] == cardan.__version__
+    assert recipe["build"]["python"]["entry_points"] == [
+        f"{name} = {target}" for name, target in package["scripts"].items()
+    ]

@@ -166,9 +166,10 @@ def _chosen(
         one.name or own or (product if products.count(product) == 1 else "")
         for one, (own, product, _) in zip(solids, names, strict=True)
     ]
+    unnamed = (f"one of {p}" if p else "no name" for p in products)
     told = ", ".join(
-        f"{name or f'{k} (no name)'} of {one.mass / 1000:.4g} cm3"
-        for k, (one, name) in enumerate(zip(solids, called, strict=True), 1)
+        f"{name or f'{k} ({how})'} of {one.mass / 1000:.4g} cm3"
+        for k, (one, name, how) in enumerate(zip(solids, called, unnamed, strict=True), 1)
     )
     if not solids:
         msg = f"{part.path} has no solid, surfaces at most: export the bracket as a solid"
@@ -232,7 +233,8 @@ def _picked(
         msg = (
             f"{name}: no face of {path} lies within 1 mm of "
             f"{tuple(round(v, 3) for v in point)} mm: the nearest is {distances[best]:.3g} mm "
-            f"away, a face of {faces[best].mass:.4g} mm2 about ({c.x:.4g}, {c.y:.4g}, {c.z:.4g}) mm"
+            f"away, a face of {faces[best].mass:.4g} mm2 about ({c.x:.4g}, {c.y:.4g}, {c.z:.4g}) "
+            f"mm, and all of them measure {_size_of(faces)} mm"
         )
         raise DesignError(msg, about=about)
     near = {k for k, d in enumerate(distances) if d <= distances[best] + _TIE}
@@ -243,6 +245,12 @@ def _picked(
         )
         raise DesignError(msg, about=about)
     return [best]
+
+
+def _size_of(faces: Sequence[Any]) -> str:
+    """Return the size of the box about faces, `130 x 120 x 8`: it shows a file of another unit."""
+    corners = np.array([[(p.x, p.y, p.z) for p in face.bounding_box] for face in faces])
+    return " x ".join(f"{v:.4g}" for v in np.ptp(corners.reshape(-1, 3), axis=0))
 
 
 def _about(name: str, place: int | None = None) -> str:

@@ -20,6 +20,9 @@ _TEXT = re.compile(r"'((?:[^']|'')*)'")
 _REFERENCE = re.compile(r"#(\d+)")
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _UTF16 = re.compile(r"\\X2\\((?:[0-9A-F]{4})*)\\X0\\")
+_UTF32 = re.compile(r"\\X4\\((?:00[01][0-9A-F]{5})*)\\X0\\")
+_BYTE = re.compile(r"\\X\\([0-9A-F]{2})")
+_SHIFTED = re.compile(r"\\S\\([ -~])")
 _NO_NAME = "Open CASCADE STEP translator"
 """What the kernel writes where a product has no name."""
 _SOLIDS = ("MANIFOLD_SOLID_BREP", "BREP_WITH_VOIDS", "FACETED_BREP")
@@ -196,8 +199,20 @@ def _coordinates(point: _Entity) -> list[float]:
 
 
 def _decoded(text: str) -> str:
-    """Return a text of ISO 10303-21: doubled quotes, and letters beyond ASCII."""
+    """Return a text of ISO 10303-21: doubled quotes, and letters beyond ASCII.
+
+    Its third edition writes UTF-8, as CAD kernels did before; the file was read byte by byte.
+    CadQuery 2.8 and build123d 0.13 write UTF-8 of UTF-8.
+    """
+    for _ in range(2):
+        try:
+            text = text.encode("latin-1").decode("utf-8")
+        except UnicodeError:
+            break  # a letter of Latin-1 itself, or one beyond it
     said = _UTF16.sub(lambda m: bytes.fromhex(m[1]).decode("utf-16-be", "replace"), text)
+    said = _UTF32.sub(lambda m: bytes.fromhex(m[1]).decode("utf-32-be", "replace"), said)
+    said = _BYTE.sub(lambda m: chr(int(m[1], 16)), said)
+    said = _SHIFTED.sub(lambda m: chr(ord(m[1]) + 128), said)
     return said.replace("''", "'").replace("\\\\", "\\")
 
 

@@ -23,8 +23,8 @@ def inp_text(deck: SolverDeck) -> str:
     lines = [
         *(f"** {line}" for line in deck.comments),
         *node_lines(nodes.points / mm),
-        "*NODE,NSET=REFERENCE",
-        f"{reference},0.,0.,0.",
+        f"{reference},0.,0.,0.",  # in one block: readers of meshes keep the last one alone
+        *node_set_lines("REFERENCE", (reference,)),
         *element_lines(nodes.elements),
     ]
     for face, name in deck.face_sets.items():

@@ -121,7 +121,7 @@ def _read_speed(
     options: AnalysisOptions, recording: Recording, text: str
 ) -> tuple[FloatArray, float]:
     """Return a channel of speed, turns/s, as it is taken: nan where it has no value."""
-    speed, rate, runs = _speeds(recording, text, wheel=_turns_per_metre(options))
+    speed, rate, runs = speed_samples(recording, text, wheel=_turns_per_metre(options))
     if not _taken(options, text, runs, rate).size:
         return speed, rate
     for first, last in _taken(options, text, runs, rate):
@@ -145,7 +145,7 @@ def bus_error_values(options: AnalysisOptions, recording: Recording) -> tuple[Bu
     for text in (options.speed, options.engine):
         if text is None or (options.tacho is not None and text == options.speed):
             continue
-        speed, rate, runs = _speeds(recording, text, wheel=_turns_per_metre(options))
+        speed, rate, runs = speed_samples(recording, text, wheel=_turns_per_metre(options))
         if len(runs):
             taken = _taken(options, text, runs, rate)
             top = float(np.nanmax(speed[runs[0, 0] : runs[0, 1]]))
@@ -238,7 +238,7 @@ def _sentinel(rule: str) -> bool:
     return parse_rule(rule, mask=False).kind == FAULT_SENTINEL
 
 
-def _speeds(
+def speed_samples(
     recording: Recording, text: str, *, wheel: float | None = None
 ) -> tuple[FloatArray, float, IntArray]:
     """Return a channel of speed in turns/s, as written, and at which rate it was looked at.

@@ -17,6 +17,7 @@ pytest.importorskip("netgen.occ")
 from cardan.physics.fem.geometry import build_solid
 from cardan.physics.fem.ngsolve_import import import_ngsolve
 from cardan.physics.fem.round_faces import cylinder_of_face
+from cardan.physics.fem.step_file import solid_from_step
 from cardan.physics.fem.step_structure import StepStructure, names_of_solids
 
 pytestmark = pytest.mark.bracket
@@ -179,3 +180,61 @@ def test_bore_written_as_rational_spline_is_a_bore(tmp_path, end, swapped):
     (solid,), _ = read(tmp_path / "spline.step", with_data(text, "\n".join(points) + "\n"))
     found = [c for c in map(cylinder_of_face, solid.faces) if c]
     assert [c.radius for c in found] == pytest.approx([5.5, 5.5])
+
+
+# --------------------------------------------------------------------------- files of CAD programs
+
+FILES = Path(__file__).with_name("step_files")
+
+
+def shape(file: str, solid: str, *, at=(0.0, 0.0, 0.0), **picks) -> StepFileShape:
+    """Return a plate 100 x 60 x 8 mm with a hole of 11 mm, its lower side in the middle at `at`."""
+    x, y, z = at
+    centre = ((x - 50) * mm, y * mm, (z + 4) * mm)
+    return StepFileShape(
+        path=str(FILES / file), solid=solid, centre=centre, thickness=8 * mm,
+        **({"welded": ()} | picks),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "written",
+    ["tr\u00e4ger".encode().decode("latin-1"), r"tr\X2\00E4\X0\ger", r"tr\X\E4ger", r"tr\S\dger",
+     r"tr\X4\000000E4\X0\ger", "tr\u00e4ger", "tr\u00e4ger".encode().decode("latin-1").encode()
+     .decode("latin-1")],
+)  # fmt: skip
+def test_letters_of_every_encoding_in_names_are_decoded(tmp_path, written):
+    text = part_text(tmp_path, plate(), "NAME").replace("NAME", written)
+    (solid,) = StepStructure(text).solids
+    assert solid.product == "träger"
+
+
+def test_cadquery_assembly_in_inch_has_its_names_and_millimetres():
+    """CadQuery 2.8 writes the letter twice encoded; names of faces stand in a placed part."""
+    names = {"seat": (FaceSelector(name="seat"),), "bolts": (FaceSelector(name="bolt 1"),)}
+    made = solid_from_step(shape("cadquery-2.8-inch.step", "Träger", at=(10, 20, 26), **names))
+    found = {f.name: f for f in made.face_selections}
+    assert found["seat"].area == pytest.approx(60 * 8 * mm**2)
+    assert found["bolt 1"].radius == pytest.approx(5.5 * mm)
+
+
+@pytest.mark.parametrize(("number", "across"), [("1", 0), ("2", 400)])
+def test_part_that_freecad_places_twice_is_chosen_by_number(number, across):
+    picks = {
+        "seat": (FaceSelector(near=(-50 * mm, across * mm, 4 * mm)),),
+        "bolts": (FaceSelector(near=(5.5 * mm, across * mm, 4 * mm)),),
+    }
+    file = "freecad-0.20-twice.step"
+    made = solid_from_step(shape(file, number, at=(0, across, 0), **picks))
+    assert len(made.face_selections) == 2
+    for solid in ("", "Träger", "none"):
+        with pytest.raises(DesignError, match=r"1 \(one of Träger\) of 47\.24 cm3, 2 \(one of"):
+            solid_from_step(shape(file, solid, **picks))
+
+
+def test_point_beside_every_face_names_size_of_solid():
+    """A file of another unit shows by its size."""
+    near = (FaceSelector(near=(-1.27, 0, 0.1)),)
+    picks = {"seat": near, "bolts": near}
+    with pytest.raises(DesignError, match=r"and all of them measure 100 x 60 x 8 mm"):
+        solid_from_step(shape("freecad-0.20-twice.step", "1", **picks))

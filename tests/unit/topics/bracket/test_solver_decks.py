@@ -127,5 +127,14 @@ def test_calculix_deck_names_sets_and_directs_accelerations(deck):
     )
 
 
+def test_calculix_deck_has_one_block_of_nodes(deck):
+    """A common reader keeps the last block alone: findings/meshio_several_node_blocks.sh."""
+    lines = inp_text(deck).splitlines()
+    assert [one for one in lines if one.startswith("*NODE,")] == ["*NODE,NSET=NALL"]
+    end = lines.index("*NSET,NSET=REFERENCE")
+    assert lines[end - 1] == f"{deck.reference_node},0.,0.,0."
+    assert lines[end + 1] == f"{deck.reference_node},"
+
+
 def test_titles_are_ascii_in_one_line():
     assert plain_text("caminhão\n6x2, 4 Ω") == "caminhao 6x2, 4 ?"
