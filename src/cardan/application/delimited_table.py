@@ -25,5 +25,5 @@ def decimal_sign(numbers: list[str]) -> str:
         alone = number.count(sign) == 1
         if alone and not interpretations_of_ambiguous_number(number, decimal=other):
             return sign
-    # No number tells: one that may be either is then refused, whichever sign is taken.
+    # No number decides: one that may be either is then refused, whichever sign is taken.
     return "," if any("." in n for n in numbers) else "."

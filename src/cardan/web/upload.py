@@ -1,7 +1,7 @@
 """A recording on its way from the page: piece by piece into a file of ours, gone with the page.
 
-The page says what it is called and how long it is; where it lies here is decided by this module. CAN
-databases that it brings before a log decode that log, and go with it.
+The page says what it is called and how long it is; where it lies here is decided by this module.
+CAN databases that it brings before a log decode that log, and go with it.
 """
 
 import shutil

@@ -329,7 +329,7 @@ def _evidence_cells(of: JointAttribution | None, say: Translator) -> list[str]:
 
 
 def _largest_cause_lines(gauges: Sequence[GaugeResult], say: Translator, width: int) -> list[str]:
-    """Return the largest cause beside the joints where these are not found to dominate.
+    """Return the largest cause apart from the joints where these are not found to dominate.
 
     The joints' own share stands in the table, by phase and torque; that of the orders
     (`ShapleyAttribution.share`) is another number, and only in the full result.
