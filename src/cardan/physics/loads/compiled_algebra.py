@@ -99,3 +99,28 @@ def half_axis(x: complex, y: complex, z: complex) -> float:
     )  # fmt: skip
     skew = x * x + y * y + z * z
     return np.sqrt((size2 + np.sqrt(skew.real * skew.real + skew.imag * skew.imag)) / 2)
+
+
+def fill_bearing_forces(
+    into: ComplexArray,
+    moved: ComplexArray,
+    bearing: FloatArray,
+    springs: FloatArray,
+    frame: FloatArray,
+    lossy: float,
+) -> None:
+    """Fill what the shafts put on their bearings, (B/3, 3) N, by a motion (N,) of the line.
+
+    As `MountedLine.motion`: `lossy` is the sign of the frequency, 0 where nothing shakes.
+    """
+    for b in range(bearing.shape[0] // 3):
+        for x in range(3):
+            into[b, x] = 0j
+        for k in range(3):
+            row = 3 * b + k
+            goes = 0j
+            for i in range(bearing.shape[1]):
+                goes += bearing[row, i] * moved[i]
+            pull = goes * complex(springs[0, row], springs[0, row] * lossy * springs[1, row])
+            for x in range(3):
+                into[b, x] += pull * frame[b, 3 * k + x]

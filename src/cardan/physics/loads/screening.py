@@ -29,6 +29,7 @@ from cardan.core.batched_linalg import (
     CaseBlockSlices,
     broadcast_cases,
     cache_blocks,
+    case_table,
     matrix_axes_first,
     matrix_axes_last,
     matrix_product,
@@ -358,23 +359,11 @@ class BearingForceScreeningModel:
         return {}
 
     def _computed_case_tables(self, cases: tuple[int, ...]) -> tuple[Any, ...]:
-        axes, count = len(cases), prod(cases)
-
         def table(parts: Sequence[tuple[Any, int]], *own: int) -> Any:
-            """Return arrays of `of` axes before their cases as one (C, *own), side by side."""
-            widths = [prod(v.shape[:of]) for v, of in parts]
-            kind = np.result_type(*(v for v, _ in parts))
-            found = np.empty((*cases, sum(widths)), kind)
-            start = 0
-            for (v, of), width in zip(parts, widths, strict=True):
-                rows = v.reshape(width, *(1,) * (axes + of - v.ndim), *v.shape[of:])
-                found[..., start : start + width] = np.moveaxis(rows, 0, -1)
-                start += width
-            return found.reshape(count, *own)
+            return case_table(parts, cases).reshape(prod(cases), *own)
 
         line = self.mounted_line.case_last_matrices
         N, (R, B) = len(line.mass), (len(v) for v in (self.approach_matrix, self.bearing_matrix))
-        matrices = line.still, line.lost, line.gyroscopic, line.mass, line.torsion
         rides: list[Any] = []
         for k in range(len(self.coordinate_forces[0])):
             order2 = [
@@ -398,15 +387,15 @@ class BearingForceScreeningModel:
         ]  # fmt: skip
         ways = 2 if lead else 0
         return (
-            table([(m, 2) for m in matrices], 5, N, N),
+            line.case_table(cases),
             table(rides, len(self.coordinate_forces[0]), -1),
             table([(self.bearing_matrix, 2)], B, N),
             table([(v, 1) for v in (self.bearing_stiffness, self.loss, self.rubber_compliance)],
                   3, B),
-            np.empty((count, N, 0), complex) if unbalance is None
+            np.empty((prod(cases), N, 0), complex) if unbalance is None
             else table([(unbalance, 2)], N, -1),
             table([(self.approach_matrix, 2)], R, N),
-            table(lead, 2, ways, -1) if lead else np.empty((count, 2, 0, 0)),
+            table(lead, 2, ways, -1) if lead else np.empty((prod(cases), 2, 0, 0)),
         )  # fmt: skip
 
     def transient_bearing_forces(
