@@ -291,6 +291,12 @@ class MountedLine:
         local = (self._share @ forces[..., None])[..., 0]
         return (local.reshape(*local.shape[:-1], -1, 1, 3) @ self.bearing_frame)[..., 0, :]
 
+    def bearing_forces_of_shapes(self, shapes: FloatArray) -> FloatArray:
+        """Return what bearings carry by 1 of each shape (..., N, M), (..., n-2, 3, M) N, at rest."""
+        local = self.bearing_stiffness[..., None] * (self.bearing_matrix @ shapes)
+        local = local.reshape(*local.shape[:-2], -1, 3, local.shape[-1])
+        return self.bearing_frame.mT @ local
+
     def rubber_deflection(
         self, forces: ArrayLike, *, lossy: ArrayLike = 0.0, each: bool = False
     ) -> ComplexArray:

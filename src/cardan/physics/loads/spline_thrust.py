@@ -69,14 +69,18 @@ class CompressedLine:
         left = 1 - P * self.softening
         return (self.load + P * self.spline) / left, left
 
+    def modal_motion(self, compression: ArrayLike) -> FloatArray:
+        """Return the mean displacement of each of the `shapes` at a compression (...) N, (..., N)."""
+        return self._modal(compression)[0]
+
     def coordinates(self, compression: ArrayLike) -> FloatArray:
         """Return the mean shape at a compression (...) N, (..., N) m."""
-        moved, _ = self._modal(compression)
+        moved = self.modal_motion(compression)
         return (self.shapes @ moved[..., None])[..., 0]
 
     def lengthening(self, compression: ArrayLike) -> FloatArray:
         """Return how much longer that shape has the spline, (...) m."""
-        moved, _ = self._modal(compression)
+        moved = self.modal_motion(compression)
         return (moved * (self.spline + self.softening * moved / 2)).sum(-1)
 
     def spline_stiffness(self, compression: ArrayLike) -> FloatArray:
