@@ -11,10 +11,13 @@ COMPILED_MIN_CASES = 256
 A check of one design and its corrections stay below: to import numba costs more than they do.
 """
 
+COMPILED_MIN_POINTS = 64 * COMPILED_MIN_CASES
+"""The same of points, where cases are not told from their points."""
 
-def is_compiled_batch(cases: tuple[int, ...]) -> bool:
+
+def is_compiled_batch(cases: tuple[int, ...], *, least: int = COMPILED_MIN_CASES) -> bool:
     """Return whether a batch of cases is large enough for loops that numba compiles."""
-    return prod(cases) >= COMPILED_MIN_CASES
+    return prod(cases) >= least
 
 
 @cache

@@ -374,7 +374,7 @@ class BearingForceScreeningModel:
             rides += [
                 (self.coordinate_forces[0][k], 1), *order2[:8],
                 (self.direct_bearing_forces[0][k], 1), *order2[8:],
-                (self.weight_forces[k], 1), (self.clearance[k], 1),
+                (self.weight_forces[k], 1), (self.clearance[min(k, len(self.clearance) - 1)], 1),
             ]  # fmt: skip
         thrust, unbalance = self.thrust, self.unbalance_excitation
         lead = [] if thrust is None else [
