@@ -18,7 +18,8 @@ from cardan.checks.line_inputs import LineInputs
 from cardan.core.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.core.lazy_dataclass import dataclass
 from cardan.model.layout import vector_length
-from cardan.physics.loads.centre_bearing import ThrustEffect, loads_of_turning_line
+from cardan.physics.loads.centre_bearing import ThrustEffect
+from cardan.physics.loads.mean_line_loads import mean_line_loads
 from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.screening import ScreenedThrust, held_share
 from cardan.physics.loads.spline_thrust import (
@@ -27,7 +28,6 @@ from cardan.physics.loads.spline_thrust import (
     compressed_line,
     stroke_compression,
 )
-from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.axle_motion import AxleMotion
 from cardan.physics.vehicle.operating_points import TorqueCurves
 from cardan.physics.vehicle.state_demand import (
@@ -209,21 +209,17 @@ def stroke_thrust(
         inputs.demand, between.motion(ride, share), torque=T, speed=np.zeros(T.shape)
     )
     laid = inputs.layout_for(asked)
-    _, carried = loads_of_turning_line(
-        laid, inputs.line, inputs.phases, torque=T, speed=np.zeros(T.shape)
+    loads = mean_line_loads(
+        held, laid, inputs.line, inputs.phases, torque=T, gravity=inputs.gravity
     )
-    still = carried.bearing_forces.order(0).real
-    push = held.forces_from_joint_moments(carried.joint_moments.order(0)).real
-    gradient = held.spline_gradient(laid.directions[..., -2, :])
-    weight, pulled = bearing_forces_of_weight_and_thrust(laid, inputs.line, gravity=inputs.gravity)
-    of = compressed_line(held, forces=push, spline=gradient, torque=T)
+    of = compressed_line(held, forces=loads.push, spline=loads.spline_gradient, torque=T)
     lead = of.is_stable.shape
     slip = np.broadcast_to(inputs.spline_force_at(T), lead)
 
     every = _MeanBearingForces(
         line=of,
-        without_motion=still + weight - held.static_bearing_forces(push.astype(complex)).real,
-        by_thrust=-pulled - held.static_bearing_forces(gradient.astype(complex)).real,
+        without_motion=loads.fixed_bearing_forces,
+        by_compression=loads.by_compression,
         by_modes=held.bearing_forces_of_shapes(of.shapes),
     )
 
@@ -322,7 +318,7 @@ class _MeanBearingForces:
     ----------
     line
         How the compression bends the line.
-    without_motion, by_thrust : (..., n-2, 3) N, 1
+    without_motion, by_compression : (..., n-2, 3) N, 1
         Where nothing moves, and what each N of compression adds.
     by_modes : (..., n-2, 3, N) N/m
         What the motion of each of the line's modes adds.
@@ -330,13 +326,13 @@ class _MeanBearingForces:
 
     line: CompressedLine
     without_motion: FloatArray
-    by_thrust: FloatArray
+    by_compression: FloatArray
     by_modes: FloatArray
 
     def under(self, compression: FloatArray) -> FloatArray:
         """Return the forces under a compression (...) N, (..., n-2, 3) N."""
         moved = self.line.modal_motion(compression)[..., None, :, None]
-        fixed = self.without_motion + compression[..., None, None] * self.by_thrust
+        fixed = self.without_motion + compression[..., None, None] * self.by_compression
         return fixed + (self.by_modes @ moved)[..., 0]
 
     def at(self, places: Callable[[Any], Any]) -> "_MeanBearingForces":
@@ -345,7 +341,7 @@ class _MeanBearingForces:
         return _MeanBearingForces(
             line=CompressedLine(**line),
             without_motion=places(self.without_motion),
-            by_thrust=places(self.by_thrust),
+            by_compression=places(self.by_compression),
             by_modes=places(self.by_modes),
         )
 

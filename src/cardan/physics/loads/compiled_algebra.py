@@ -124,3 +124,10 @@ def fill_bearing_forces(
             pull = goes * complex(springs[0, row], springs[0, row] * lossy * springs[1, row])
             for x in range(3):
                 into[b, x] += pull * frame[b, 3 * k + x]
+
+
+def cross(a: FloatArray, b: FloatArray, into: FloatArray) -> None:
+    """Fill the cross product a x b (3,)."""
+    into[0] = a[1] * b[2] - a[2] * b[1]
+    into[1] = a[2] * b[0] - a[0] * b[2]
+    into[2] = a[0] * b[1] - a[1] * b[0]

@@ -224,7 +224,7 @@ class MountedLine:
         ahead = cross_product(moments[..., :-1, :], self.shaft_directions)
         behind = cross_product(moments[..., 1:, :], self.shaft_directions)
         both = np.concatenate([ahead, -behind], axis=-2)
-        return (both.reshape(*both.shape[:-2], 1, -1) @ self._tilts)[..., 0, :].astype(complex)
+        return (both.reshape(*both.shape[:-2], 1, -1) @ self.tilts)[..., 0, :].astype(complex)
 
     def response(
         self,
@@ -288,7 +288,7 @@ class MountedLine:
 
     def static_bearing_forces(self, forces: ComplexArray) -> ComplexArray:
         """Return what bearings carry, (..., n-2, 3) N, where forces (..., N) only hold still."""
-        local = (self._share @ forces[..., None])[..., 0]
+        local = (self.static_bearing_share @ forces[..., None])[..., 0]
         return (local.reshape(*local.shape[:-1], -1, 1, 3) @ self.bearing_frame)[..., 0, :]
 
     def bearing_forces_of_shapes(self, shapes: FloatArray) -> FloatArray:
@@ -346,8 +346,12 @@ class MountedLine:
 
         `last_shaft` (..., 3) is the direction of the last shaft.
         """
-        motion = self.rear[..., -1, :, :] - self.rear[..., -2, :, :]
-        return (last_shaft[..., None, :] @ motion)[..., 0, :]
+        return (last_shaft[..., None, :] @ self.spline_motion)[..., 0, :]
+
+    @property
+    def spline_motion(self) -> FloatArray:
+        """How the rear end of the last shaft moves against that of the one before, (..., 3, N)."""
+        return self.rear[..., -1, :, :] - self.rear[..., -2, :, :]
 
     def stiffness_under_torque(self, torque: ArrayLike) -> FloatArray:
         """Return the static stiffness that a torque (...) N m leaves, (..., N, N) N/m."""
@@ -507,7 +511,7 @@ class MountedLine:
         return HarmonicMotion(coordinates=moved, bearing_forces=turned)
 
     @cached_property
-    def _tilts(self) -> FloatArray:
+    def tilts(self) -> FloatArray:
         """Tilts of the shafts' front ends, then of their rear ones, (..., 6 (n-1), N) 1/m."""
         both = np.concatenate([self.front_tilt, self.rear_tilt], axis=-3)
         return both.reshape(*both.shape[:-3], -1, both.shape[-1])
@@ -547,7 +551,7 @@ class MountedLine:
         return tuple(n for n in ("brackets", "flanges") if getattr(self, n) is not None)
 
     @cached_property
-    def _share(self) -> FloatArray:
+    def static_bearing_share(self) -> FloatArray:
         """Forces of the bearings' directions for 1 N on each coordinate, (..., 3 (n-2), N)."""
         return (
             self.bearing_stiffness[..., None]
