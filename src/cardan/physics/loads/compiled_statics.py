@@ -10,7 +10,7 @@ import numpy as np
 
 from cardan.core.arrays import FloatArray
 from cardan.core.compiled import compiled
-from cardan.physics.loads.compiled_algebra import cross
+from cardan.physics.loads.compiled_algebra import cross, fill_frame, rotate_one_chain
 
 LoadsKernel: TypeAlias = Callable[..., bool]
 
@@ -67,25 +67,8 @@ def mean_loads(
         for p in range(P):
             T = torque[p, c]
             d = directions[p, c]
-            for k in range(n + 1):
-                slopes[k] = complex(d[k, 1], -d[k, 2]) / (1 + d[k, 0])
-            level = (1 + slopes[0] * slopes[0]).conjugate()
-            setting = level / abs(level)
-            phasors[0] = 0j
-            for k in range(n):
-                apart = 1 + slopes[k].conjugate() * slopes[k + 1]
-                bend = (slopes[k + 1] - slopes[k]) / apart
-                if not abs(bend) < 1:
-                    return False
-                step = bend * setting
-                step = crosses[k] * step * step
-                turned = 1 + phasors[k] * step.conjugate()
-                settings[k] = setting
-                phasors[k + 1] = (phasors[k] + step) / turned.conjugate()
-                if k < n - 1:
-                    phase = yokes[c, 0, k] - T * yokes[c, 1, k]
-                    ahead = apart.conjugate() / apart * complex(-np.sin(phase), np.cos(phase))
-                    setting = setting * ahead * turned / abs(turned)
+            if not rotate_one_chain(d, yokes[c], T, crosses, slopes, settings, phasors):
+                return False
             for k in range(n):
                 u, v, e = d[k], d[k + 1], phasors[k]
                 e2 = e.real * e.real + e.imag * e.imag
@@ -95,9 +78,7 @@ def mean_loads(
                     for x in range(3):
                         moments[k, x] = even * (u[x] + v[x])
                     continue
-                F[0] = -slopes[k] * (1 + u[0])
-                F[1] = 1 - slopes[k] * u[1]
-                F[2] = complex(0.0, -1.0) - slopes[k] * u[2]
+                fill_frame(u, slopes[k], F)
                 carried = v[0] * F[0] + v[1] * F[1] + v[2] * F[2]
                 swing = settings[k] * settings[k] * carried * e.conjugate()
                 scale = T / (uv * (1 - e2))
@@ -159,5 +140,5 @@ def mean_loads(
 
 def mean_loads_kernel() -> LoadsKernel | None:
     """Return the compiled `mean_loads`; None without numba."""
-    loop: Any = compiled(mean_loads, cross)
+    loop: Any = compiled(mean_loads, cross, fill_frame, rotate_one_chain)
     return loop

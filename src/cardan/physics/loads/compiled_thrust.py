@@ -10,11 +10,9 @@ import numpy as np
 
 from cardan.core.arrays import BoolArray, FloatArray
 from cardan.core.compiled import compiled
+from cardan.physics.loads.compiled_algebra import congruent, diagonalise, factor
 
 LineKernel: TypeAlias = Callable[..., None]
-
-JACOBI_SWEEPS = 30
-"""Sweeps at most; a matrix of four rows takes four or five."""
 
 
 def buckling_modes(
@@ -48,73 +46,14 @@ def buckling_modes(
     for c in range(C):
         for p in range(P):
             T = torque[p, c]
-            stable[p, c] = True
-            for j in range(N):
-                for i in range(j, N):
-                    value = still[c, i, j] + T * torsion[c, i, j]
-                    for k in range(j):
-                        value -= root[i, k] * root[j, k]
-                    if i == j:
-                        if not value > 0:
-                            stable[p, c] = False
-                            break
-                        root[j, j] = np.sqrt(value)
-                    else:
-                        root[i, j] = value / root[j, j]
-                if not stable[p, c]:
-                    break
-            if not stable[p, c]:
-                continue
-            for j in range(N):
-                for i in range(N):
-                    inverse[i, j] = 0.0
-                inverse[j, j] = 1 / root[j, j]
-                for i in range(j + 1, N):
-                    value = 0.0
-                    for k in range(j, i):
-                        value -= root[i, k] * inverse[k, j]
-                    inverse[i, j] = value / root[i, i]
-            for i in range(N):
-                for j in range(N):
-                    value = 0.0
-                    for k in range(j + 1):
-                        value += geometric[c, i, k] * inverse[j, k]
-                    y[i, j] = value
             for i in range(N):
                 for j in range(i + 1):
-                    value = 0.0
-                    for k in range(i + 1):
-                        value += inverse[i, k] * y[k, j]
-                    a[i, j] = a[j, i] = value
-            for i in range(N):
-                for j in range(N):
-                    y[i, j] = 1.0 if i == j else 0.0
-            for _ in range(JACOBI_SWEEPS):
-                off, on = 0.0, 0.0
-                for i in range(N):
-                    on += a[i, i] * a[i, i]
-                    for j in range(i):
-                        off += a[i, j] * a[i, j]
-                if off <= 1e-31 * on:
-                    break
-                for i in range(N - 1):
-                    for j in range(i + 1, N):
-                        if a[i, j] == 0:
-                            continue
-                        half = (a[j, j] - a[i, i]) / (2 * a[i, j])
-                        t = 1 / (abs(half) + np.sqrt(half * half + 1))
-                        t = -t if half < 0 else t
-                        cos = 1 / np.sqrt(t * t + 1)
-                        sin = t * cos
-                        for k in range(N):
-                            one, other = a[k, i], a[k, j]
-                            a[k, i], a[k, j] = cos * one - sin * other, sin * one + cos * other
-                        for k in range(N):
-                            one, other = a[i, k], a[j, k]
-                            a[i, k], a[j, k] = cos * one - sin * other, sin * one + cos * other
-                            one, other = y[k, i], y[k, j]
-                            y[k, i], y[k, j] = cos * one - sin * other, sin * one + cos * other
-                        a[i, j] = a[j, i] = 0.0
+                    root[i, j] = still[c, i, j] + T * torsion[c, i, j]
+            stable[p, c] = factor(root, inverse)
+            if not stable[p, c]:
+                continue
+            congruent(inverse, geometric[c], y, a)
+            diagonalise(a, y)
             for j in range(N):
                 softening[p, c, j] = a[j, j]
                 for i in range(N):
@@ -176,7 +115,7 @@ def held_compressions(
 
 def buckling_kernel() -> LineKernel | None:
     """Return the compiled `buckling_modes`; None without numba."""
-    loop: Any = compiled(buckling_modes)
+    loop: Any = compiled(buckling_modes, congruent, diagonalise, factor)
     return loop
 
 

@@ -112,18 +112,16 @@ def _by_loop(
 
     weights = shaft_end_weights(line, gravity)
     downward = weights[..., 0, 2], weights[..., 1, 2]
-    phases = yoke_phases_as_if_all_crosses(np.asarray(phases, dtype=float), line.is_cross)
     push, gradient = np.empty((*shape, N)), np.empty((*shape, N))
     fixed, by_compression = np.empty((*shape, bearings, 3)), np.empty((*shape, bearings, 3))
     runs = kernel(
         points(layout.directions, n + 1, 3),
         points(layout.points, n, 3),
         points(torque),
-        table(phases, stack_on_last_axis(line.torsional_flexibilities), of=1, own=(2, n - 1)),
+        yoke_table(line, phases, cases),
         table(bearing_overhangs(line), *downward, of=1, own=(3, n - 1)),
         np.array(line.is_cross, dtype=float),
-        table(held.tilts, of=2, own=(6 * (n - 1), N)),
-        table(held.shaft_directions, of=2, own=(n - 1, 3)),
+        *held.tilt_tables(cases),
         table(held.static_bearing_share, of=2, own=(3 * bearings, N)),
         table(held.bearing_frame, of=3, own=(bearings, 9)),
         table(held.spline_motion, of=2, own=(3, N)),
@@ -140,3 +138,11 @@ def _by_loop(
         fixed_bearing_forces=fixed.reshape(*lead, bearings, 3),
         by_compression=by_compression.reshape(*lead, bearings, 3),
     )
+
+
+def yoke_table(line: Line, phases: ArrayLike, cases: tuple[int, ...]) -> FloatArray:
+    """Return `yokes` of `rotate_one_chain` of each of C cases, (C, 2, n-1) rad, rad/N m."""
+    phases = yoke_phases_as_if_all_crosses(np.asarray(phases, dtype=float), line.is_cross)
+    each = phases, stack_on_last_axis(line.torsional_flexibilities)
+    parts = [(matrix_axes_first(v, of=1), 1) for v in each]
+    return case_table(parts, cases).reshape(prod(cases), 2, -1)

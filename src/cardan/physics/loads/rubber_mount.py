@@ -456,6 +456,14 @@ class MountedLine:
             return lead[0], lead[1:]
         return 1, lead
 
+    def tilt_tables(self, cases: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
+        """Return `tilts` and `shaft_directions` of each of C cases (`case_table`)."""
+        tilts, along = (matrix_axes_first(v, of=2) for v in (self.tilts, self.shaft_directions))
+        return (
+            case_table([(tilts, 2)], cases).reshape(-1, *tilts.shape[:2]),
+            case_table([(along, 2)], cases).reshape(-1, *along.shape[:2]),
+        )
+
     def _case_tables(self, cases: tuple[int, ...]) -> tuple[FloatArray, ...]:
         """Return matrices, bearings, springs and directions of each of C cases (`case_table`)."""
         if cases not in self._tables_of_cases:
