@@ -26,8 +26,8 @@ def buckling_modes(
 ) -> None:
     """Fill the modes of G in K + T K_T of P torques in each of C lines.
 
-    By Cholesky's factors and cyclic Jacobi rotations. A line that the torque leaves without a
-    stiffness is marked and not filled.
+    By Cholesky's factors and cyclic Jacobi rotations, once for each torque of a line. A line that
+    the torque leaves without a stiffness is marked and not filled.
 
     Parameters
     ----------
@@ -46,6 +46,15 @@ def buckling_modes(
     for c in range(C):
         for p in range(P):
             T = torque[p, c]
+            same = p
+            for k in range(p):
+                if torque[k, c] == T:
+                    same = k
+                    break
+            if same < p:
+                stable[p, c] = stable[same, c]
+                shapes[p, c], softening[p, c] = shapes[same, c], softening[same, c]
+                continue
             for i in range(N):
                 for j in range(i + 1):
                     root[i, j] = still[c, i, j] + T * torsion[c, i, j]
