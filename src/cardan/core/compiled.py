@@ -11,13 +11,12 @@ COMPILED_MIN_CASES = 256
 A check of one design and its corrections stay below: to import numba costs more than they do.
 """
 
-COMPILED_MIN_POINTS = 64 * COMPILED_MIN_CASES
-"""The same of points, where cases are not told from their points."""
+def is_compiled_batch(cases: tuple[int, ...], *, points: int = 1) -> bool:
+    """Return whether a batch is large enough for loops that numba compiles.
 
-
-def is_compiled_batch(cases: tuple[int, ...], *, least: int = COMPILED_MIN_CASES) -> bool:
-    """Return whether a batch of cases is large enough for loops that numba compiles."""
-    return prod(cases) >= least
+    `cases` are variants and states; or so many `points` of each too, told from them no more.
+    """
+    return prod(cases) >= points * COMPILED_MIN_CASES
 
 
 @cache

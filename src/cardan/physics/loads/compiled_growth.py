@@ -61,7 +61,9 @@ def pair_growths(
     a, vectors, shapes = np.empty((N, N)), np.empty((N, N)), np.empty((N, N))
     omegas, decays, fed = np.empty((P, N)), np.empty((P, N)), np.empty((P, N, N))
     for c in range(C):
-        root[:] = line[c, 3]
+        for i in range(N):
+            for j in range(N):
+                root[i, j] = line[c, 3, i, j]
         if not factor(root, inverse):
             return False
         congruent(inverse, line[c, 0], work, still)

@@ -6,6 +6,7 @@ first cache. Matrices are eliminated with exchanged rows, so no point needs LAPA
 """
 
 from collections.abc import Callable
+from math import sqrt
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -85,7 +86,8 @@ def screened_sizes(
     for c in range(C):
         for p in range(P):
             if not there[p, c]:
-                sizes[:, p, c] = np.nan
+                for k in range(sizes.shape[0]):
+                    sizes[k, p, c] = np.nan
                 continue
             T, omega = points[0, p, c], points[1, p, c]
             x, y, slip = points[2, p, c], points[3, p, c], points[4, p, c]
@@ -102,7 +104,8 @@ def screened_sizes(
                     same = k
                     break
             if same >= 0:
-                sizes[:, p, c] = sizes[:, same, c]
+                for k in range(sizes.shape[0]):
+                    sizes[k, p, c] = sizes[k, same, c]
                 continue
             for m in range(M):
                 values[m] = ride[c, 0, m]
@@ -123,7 +126,9 @@ def screened_sizes(
                     back[i, j] = complex(real, -imag)
             # Order 4 follows order 2, which both follow where the line lies.
             fill_dynamic_stiffness(above, line[c], 4 * omega, omega, T)
-            above[:, N:] = coupling
+            for i in range(N):
+                for j in range(N):
+                    above[i, N + j] = coupling[i, j]
             solved = eliminate(above, N)
             fill_dynamic_stiffness(second, line[c], 2 * omega, omega, T)
             for i in range(N):
@@ -207,7 +212,7 @@ def screened_sizes(
                             soft = springs[c, 2, b] if travel else 1.0
                             all_ = mean[b] + (soft * drawn[way, b] if way >= 0 else 0.0)
                             square += all_ * all_
-                        size = np.sqrt(square)
+                        size = sqrt(square)
                         static = size if size > static or size != size else static
                     for b in range(3 * n, 3 * n + 3):
                         soft = springs[c, 2, b] if travel else 1.0

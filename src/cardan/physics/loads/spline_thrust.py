@@ -26,7 +26,7 @@ from math import prod
 import numpy as np
 
 from cardan.core.arrays import ArrayLike, BoolArray, FloatArray
-from cardan.core.compiled import COMPILED_MIN_POINTS, is_compiled_batch
+from cardan.core.compiled import is_compiled_batch
 from cardan.core.lazy_dataclass import dataclass
 from cardan.physics.loads.compiled_thrust import buckling_kernel, compression_kernel
 from cardan.physics.loads.rubber_mount import MountedLine
@@ -36,6 +36,10 @@ LARGEST_SHARE_OF_CRITICAL = 1 - 1e-6
 
 _ITERATIONS = 60
 """Halvings at most; Newton's method takes fewer than ten."""
+
+
+PLACES_OF_A_STROKE = 64
+"""Places of each case, about: a line is compressed at all of them at once."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -104,7 +108,7 @@ class CompressedLine:
             self.is_stable.shape, *(np.shape(v) for v in (lengthening, least, most))
         )
         low, high = (np.broadcast_to(np.asarray(v, dtype=float), cases) for v in (least, most))
-        kernel = compression_kernel() if is_compiled_batch(cases, least=COMPILED_MIN_POINTS) else None
+        kernel = compression_kernel() if is_compiled_batch(cases, points=PLACES_OF_A_STROKE) else None
         if kernel:
             given = (np.broadcast_to(lengthening, cases), low, high)
             modes = (self.softening, self.load, self.spline)
