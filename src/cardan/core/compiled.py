@@ -11,6 +11,7 @@ COMPILED_MIN_CASES = 256
 A check of one design and its corrections stay below: to import numba costs more than they do.
 """
 
+
 def is_compiled_batch(cases: tuple[int, ...], *, points: int = 1) -> bool:
     """Return whether a batch is large enough for loops that numba compiles.
 

@@ -53,7 +53,9 @@ class DynamicStiffness:
     def case_table(self, cases: tuple[int, ...]) -> FloatArray:
         """Return the matrices of each of C cases in one piece of memory, (C, 5, N, N)."""
         each = self.still, self.lost, self.gyroscopic, self.mass, self.torsion
-        return case_table([(m, 2) for m in each], cases).reshape(prod(cases), 5, *self.mass.shape[:2])
+        return case_table([(m, 2) for m in each], cases).reshape(
+            prod(cases), 5, *self.mass.shape[:2]
+        )
 
     def select_cases(self, of: CaseBlockSlices, axes: int) -> "DynamicStiffness":
         """Return the line in a stretch of its cases, as cases of so many axes."""

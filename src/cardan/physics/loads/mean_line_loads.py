@@ -13,7 +13,7 @@ from cardan.model.layout import Layout
 from cardan.model.parts import Line
 from cardan.physics.kinematics.joint_chain import yoke_phases_as_if_all_crosses
 from cardan.physics.loads.centre_bearing import loads_of_turning_line
-from cardan.physics.loads.compiled_statics import LoadsKernel, mean_loads_kernel
+from cardan.physics.loads.compiled_line_loads import LineKernel, mean_loads_kernel
 from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.statics import (
     bearing_forces_of_weight_and_thrust,
@@ -87,7 +87,7 @@ def mean_line_loads(
 
 
 def _by_loop(
-    kernel: LoadsKernel,
+    kernel: LineKernel,
     held: MountedLine,
     layout: Layout,
     line: Line,

@@ -33,7 +33,7 @@ from cardan.core.arrays import ArrayLike, ComplexArray, FloatArray
 from cardan.core.batched_linalg import case_table, matrix_axes_first
 from cardan.core.compiled import is_compiled_batch
 from cardan.model.parts import Line
-from cardan.physics.loads.compiled_growth import growth_kernel
+from cardan.physics.loads.compiled_line_loads import growth_kernel
 from cardan.physics.loads.mean_line_loads import yoke_table
 from cardan.physics.loads.rubber_mount import MountedLine
 

@@ -292,7 +292,7 @@ class MountedLine:
         return (local.reshape(*local.shape[:-1], -1, 1, 3) @ self.bearing_frame)[..., 0, :]
 
     def bearing_forces_of_shapes(self, shapes: FloatArray) -> FloatArray:
-        """Return what bearings carry by 1 of each shape (..., N, M), (..., n-2, 3, M) N, at rest."""
+        """Return what bearings carry at rest by shapes (..., N, M), (..., n-2, 3, M) N."""
         local = self.bearing_stiffness[..., None] * (self.bearing_matrix @ shapes)
         local = local.reshape(*local.shape[:-2], -1, 3, local.shape[-1])
         return self.bearing_frame.mT @ local

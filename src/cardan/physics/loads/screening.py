@@ -43,7 +43,11 @@ from cardan.model.layout import Layout
 from cardan.model.parts import Line
 from cardan.physics.kinematics.joint_chain import rotate_chain
 from cardan.physics.loads.centre_bearing import unbalance_excitation
-from cardan.physics.loads.compiled_screening import ScreeningKernel, screening_kernel
+from cardan.physics.loads.compiled_response import (
+    ResponseKernel,
+    raise_if_singular,
+    screening_kernel,
+)
 from cardan.physics.loads.half_turn_fourier import semi_major_axis
 from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust, joint_loads
@@ -330,7 +334,7 @@ class BearingForceScreeningModel:
 
     def _point_by_point(
         self,
-        kernel: ScreeningKernel,
+        kernel: ResponseKernel,
         there: BoolArray,
         given: Sequence[FloatArray],
         sizes: int,
@@ -342,9 +346,9 @@ class BearingForceScreeningModel:
         found = np.empty((sizes, cases[0], prod(cases[1:])))
         points = np.stack(given).reshape(len(given), *found.shape[1:])
         exist = np.ascontiguousarray(there.reshape(found.shape[1:]))
-        if not kernel(*self._case_tables(cases[1:]), points, exist, np.array(kinds), found):
-            msg = "Singular matrix"
-            raise np.linalg.LinAlgError(msg)
+        raise_if_singular(
+            kernel(*self._case_tables(cases[1:]), points, exist, np.array(kinds), found)
+        )
         return found.reshape(sizes, *cases)
 
     def _case_tables(self, cases: tuple[int, ...]) -> tuple[Any, ...]:

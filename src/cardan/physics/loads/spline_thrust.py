@@ -28,7 +28,7 @@ import numpy as np
 from cardan.core.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.core.compiled import is_compiled_batch
 from cardan.core.lazy_dataclass import dataclass
-from cardan.physics.loads.compiled_thrust import buckling_kernel, compression_kernel
+from cardan.physics.loads.compiled_line_loads import buckling_kernel, compression_kernel
 from cardan.physics.loads.rubber_mount import MountedLine
 
 LARGEST_SHARE_OF_CRITICAL = 1 - 1e-6
@@ -78,7 +78,7 @@ class CompressedLine:
         return (self.load + P * self.spline) / left, left
 
     def modal_motion(self, compression: ArrayLike) -> FloatArray:
-        """Return the mean displacement of each of the `shapes` at a compression (...) N, (..., N)."""
+        """Return the displacements (..., N) of the `shapes` at a compression (...) N."""
         return self._modal(compression)[0]
 
     def coordinates(self, compression: ArrayLike) -> FloatArray:
@@ -108,7 +108,9 @@ class CompressedLine:
             self.is_stable.shape, *(np.shape(v) for v in (lengthening, least, most))
         )
         low, high = (np.broadcast_to(np.asarray(v, dtype=float), cases) for v in (least, most))
-        kernel = compression_kernel() if is_compiled_batch(cases, points=PLACES_OF_A_STROKE) else None
+        kernel = (
+            compression_kernel() if is_compiled_batch(cases, points=PLACES_OF_A_STROKE) else None
+        )
         if kernel:
             given = (np.broadcast_to(lengthening, cases), low, high)
             modes = (self.softening, self.load, self.spline)

@@ -1,7 +1,7 @@
 """Loops that numba compiles compute what the NumPy text computes, to 1e-10 of the largest value."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from typing import Any
@@ -13,13 +13,7 @@ from repository import EXAMPLES
 from cardan.application import reader
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.core import compiled
-from cardan.physics.loads import (
-    compiled_growth,
-    compiled_response,
-    compiled_screening,
-    compiled_statics,
-    compiled_thrust,
-)
+from cardan.physics.loads import compiled_line_loads, compiled_response
 from cardan.physics.loads.spline_thrust import PLACES_OF_A_STROKE
 from cardan.physics.vehicle.resolved_line import resolve_line_references
 from cardan.physics.vehicle.state_demand import line_state_demand
@@ -32,9 +26,6 @@ from cardan.topics.variants.evaluation import (
 SHARE_OF_LARGEST = 1e-10
 """The issue's bound; rounding comes to some 1e-14."""
 
-LOOPS = (
-    compiled_growth, compiled_response, compiled_screening, compiled_statics, compiled_thrust,
-)  # fmt: skip
 ON_RUBBER = (
     "medium-truck-4x2", "refuse-collector-6x2", "tandem-6x4", "vecto-4x2", "vecto-6x2", "mtv-6x6",
     "pick-up-4x4",
@@ -53,7 +44,7 @@ RANDOM_PER_EXAMPLE = 30
 
 
 @contextmanager
-def batches_compiled(least: float | None) -> Iterator[None]:
+def batches_compiled(least: float | None) -> Generator[None, None, None]:
     """Have batches of at least so many cases take the loops; None: no batch."""
     with pytest.MonkeyPatch.context() as patch:
         least = np.inf if least is None else least
@@ -121,9 +112,7 @@ def check_example(name: str, *, least: float) -> None:
             assert_alike(bearing_results(by_loops), reference)
 
 
-@pytest.mark.parametrize(
-    "name", [ON_RUBBER[0], pytest.param(ON_RUBBER[1], marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("name", [ON_RUBBER[0], pytest.param(ON_RUBBER[1], marks=pytest.mark.slow)])
 def test_loops_as_plain_python_equal_numpy(name, monkeypatch):
     """Run uncompiled: with and without numba the text of each loop computes the same."""
     called = set[str]()
@@ -135,7 +124,7 @@ def test_loops_as_plain_python_equal_numpy(name, monkeypatch):
 
         return run
 
-    for module in LOOPS:
+    for module in (compiled_line_loads, compiled_response):
         monkeypatch.setattr(module, "compiled", plain)
     check_example(name, least=1)
     assert called == {
