@@ -7,7 +7,7 @@ whole slip force as a dead load would.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -230,9 +230,9 @@ def stroke_thrust(
         values = np.moveaxis(values, (0, len(lead)), (2, 3))
         return values.reshape(2, states, -1, *values.shape[4:])
 
-    def own(values: Any) -> Any:
-        """Return what stands at the states' own places, (2, ..., S, *)."""
-        values = np.broadcast_to(values, (*lead, *values.shape[len(lead) :]))[0, :-1]
+    def own(values: Any, axes: int = 0) -> Any:
+        """Return what stands at the states' own places, (2, ..., S, *), of so many own axes."""
+        values = np.broadcast_to(values, (*lead, *values.shape[values.ndim - axes :]))[0, :-1]
         values = values.reshape(2, states, *values.shape[1:])
         values = np.moveaxis(values, 2 + len(cases), 2)[:, np.arange(states), np.arange(states)]
         return np.moveaxis(values, 1, 1 + len(cases))
@@ -335,14 +335,20 @@ class _MeanBearingForces:
         fixed = self.without_motion + compression[..., None, None] * self.by_compression
         return fixed + (self.by_modes @ moved)[..., 0]
 
-    def at(self, places: Callable[[Any], Any]) -> "_MeanBearingForces":
-        """Return the same at some places, which a function takes from arrays."""
-        line = {f.name: places(getattr(self.line, f.name)) for f in fields(self.line)}
+    def at(self, places: Callable[[Any, int], Any]) -> "_MeanBearingForces":
+        """Return the same at some places, which a function takes from arrays of so many axes."""
+        line = self.line
         return _MeanBearingForces(
-            line=CompressedLine(**line),
-            without_motion=places(self.without_motion),
-            by_compression=places(self.by_compression),
-            by_modes=places(self.by_modes),
+            line=CompressedLine(
+                shapes=places(line.shapes, 2),
+                softening=places(line.softening, 1),
+                load=places(line.load, 1),
+                spline=places(line.spline, 1),
+                is_stable=places(line.is_stable, 0),
+            ),
+            without_motion=places(self.without_motion, 2),
+            by_compression=places(self.by_compression, 2),
+            by_modes=places(self.by_modes, 3),
         )
 
 

@@ -3,7 +3,7 @@
 The same algebra as `cardan.physics.loads.frequency_response` and `BearingForceScreeningModel`,
 which stay the reference: these run each step over all points, this all steps over one point,
 whose few numbers stay in registers and the first cache. Matrices are eliminated with exchanged
-rows, so no point needs LAPACK. What loops call is in their own file: numba's cache looks at no other.
+rows, so no point needs LAPACK. What loops call is in their own file: numba's cache reads no other.
 """
 
 from collections.abc import Callable, Sequence
