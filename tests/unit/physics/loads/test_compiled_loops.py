@@ -1,6 +1,8 @@
 """Loops that numba compiles compute what the NumPy text computes, to 1e-10 of the largest value."""
 
 import re
+import subprocess
+import sys
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
@@ -162,7 +164,17 @@ def test_random_applications_come_to_the_same_compiled(name):
     assert (found.bounded == reference.bounded).all()
 
 
-def test_batch_of_few_cases_imports_no_numba():
+def test_check_of_one_design_imports_no_numba():
+    code = (
+        "import sys; from cardan.cli import cli\n"
+        f"try: cli(['check', {str(EXAMPLES / 'medium-truck-4x2.yaml')!r}])\n"
+        "except SystemExit as end: assert end.code in (0, 1)\n"
+        "assert 'numba' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)
+
+
+def test_batch_of_few_cases_takes_no_loop():
     assert not compiled.is_compiled_batch((12, 7))
     assert compiled.is_compiled_batch((128, 7))
     assert not compiled.is_compiled_batch((3, 15, 12, 7), points=PLACES_OF_A_STROKE)
