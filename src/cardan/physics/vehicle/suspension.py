@@ -266,9 +266,7 @@ def squat_travel(
         dx, pitch = _path_slopes(suspension.linkage, z0 + gone)
         pushed = moved - pulls * dx + ahead * turns * pitch
         there = spring_deflection(suspension.spring, borne + pushed / each)
-        before, gone = gone, np.clip(there - start, lowest, highest)
-        if np.array_equal(gone, before, equal_nan=True):  # it stays there, to the last digit
-            break
+        gone = np.clip(there - start, lowest, highest)
     return gone
 
 
