@@ -6,7 +6,7 @@ how far it rebounds and where it meets its stop, the stroke is unknown: then the
 whole slip force as a dead load would.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import Any
@@ -18,15 +18,16 @@ from cardan.checks.line_inputs import LineInputs
 from cardan.core.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.core.lazy_dataclass import dataclass
 from cardan.model.layout import vector_length
-from cardan.physics.loads.centre_bearing import ThrustEffect, loads_of_turning_line
+from cardan.physics.loads.centre_bearing import ThrustEffect
+from cardan.physics.loads.mean_line_loads import mean_line_loads
 from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.screening import ScreenedThrust, held_share
 from cardan.physics.loads.spline_thrust import (
     LARGEST_SHARE_OF_CRITICAL,
+    CompressedLine,
     compressed_line,
     stroke_compression,
 )
-from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.axle_motion import AxleMotion
 from cardan.physics.vehicle.operating_points import TorqueCurves
 from cardan.physics.vehicle.state_demand import (
@@ -208,22 +209,19 @@ def stroke_thrust(
         inputs.demand, between.motion(ride, share), torque=T, speed=np.zeros(T.shape)
     )
     laid = inputs.layout_for(asked)
-    _, carried = loads_of_turning_line(
-        laid, inputs.line, inputs.phases, torque=T, speed=np.zeros(T.shape)
+    loads = mean_line_loads(
+        held, laid, inputs.line, inputs.phases, torque=T, gravity=inputs.gravity
     )
-    still = carried.bearing_forces.order(0).real
-    push = held.forces_from_joint_moments(carried.joint_moments.order(0)).real
-    gradient = held.spline_gradient(laid.directions[..., -2, :])
-    weight, pulled = bearing_forces_of_weight_and_thrust(laid, inputs.line, gravity=inputs.gravity)
-    of = compressed_line(held, forces=push, spline=gradient, torque=T)
+    of = compressed_line(held, forces=loads.push, spline=loads.spline_gradient, torque=T)
     lead = of.is_stable.shape
     slip = np.broadcast_to(inputs.spline_force_at(T), lead)
 
-    def force(P: FloatArray) -> FloatArray:
-        """Return the mean forces on the bearings (rows, ..., S', n-2, 3) N."""
-        moved = held.motion(of.coordinates(P)).bearing_forces
-        statics = held.static_bearing_forces((push + P[..., None] * gradient).astype(complex))
-        return still + weight - P[..., None, None] * pulled + (moved - statics).real
+    every = _MeanBearingForces(
+        line=of,
+        without_motion=loads.fixed_bearing_forces,
+        by_compression=loads.by_compression,
+        by_modes=held.bearing_forces_of_shapes(of.shapes),
+    )
 
     def apart(values: Any) -> Any:
         """Return rows (K, 2 S, ..., S', *) as torques, states and places, (2, S, K S', ..., *)."""
@@ -232,9 +230,11 @@ def stroke_thrust(
         values = np.moveaxis(values, (0, len(lead)), (2, 3))
         return values.reshape(2, states, -1, *values.shape[4:])
 
-    def own(values: Any) -> Any:
-        """Return what stands at the states' own places, (2, ..., S, *)."""
-        values = values[:, np.arange(states), np.arange(states)]
+    def own(values: Any, axes: int = 0) -> Any:
+        """Return what stands at the states' own places, (2, ..., S, *), of so many own axes."""
+        values = np.broadcast_to(values, (*lead, *values.shape[values.ndim - axes :]))[0, :-1]
+        values = values.reshape(2, states, *values.shape[1:])
+        values = np.moveaxis(values, 2 + len(cases), 2)[:, np.arange(states), np.arange(states)]
         return np.moveaxis(values, 1, 1 + len(cases))
 
     known = is_stroke_known(inputs)
@@ -268,35 +268,35 @@ def stroke_thrust(
         longest = np.where(places, at_rest, -np.inf).max((0, -1), keepdims=True)
         span = longest - np.where(places, at_rest, np.inf).min((0, -1), keepdims=True)
         shortening = np.broadcast_to(span, lead)
-    none = force(np.zeros(lead))
-    at_own = own(apart(none))
+    in_place = every.at(own)
+    own_line, own_compressions = in_place.line, [own(P) for P in (pushed, drawn)]
+    at_own = in_place.under(np.zeros(own_compressions[0].shape))
     allowed = apart(reached_by_row(reached))[..., None]
     forces, compressions = [], []
     for P in (pushed, drawn):
-        each = apart(force(P))
+        each = apart(every.under(P))
         size = np.where(allowed, vector_length(each), -1.0)
         worst = size.argmax(axis=2)[:, :, None]
         added = np.take_along_axis(each, worst[..., None], axis=2)[:, :, 0]
         forces.append(np.moveaxis(added, 1, 1 + len(cases)) - at_own)
-        every = np.broadcast_to(apart(P)[..., None], size.shape)
+        along = np.broadcast_to(apart(P)[..., None], size.shape)
         compressions.append(
-            np.moveaxis(np.take_along_axis(every, worst, axis=2)[:, :, 0], 1, 1 + len(cases))
+            np.moveaxis(np.take_along_axis(along, worst, axis=2)[:, :, 0], 1, 1 + len(cases))
         )
-    shapes = [own(apart(of.coordinates(P))) for P in (np.zeros(lead), pushed, drawn)]
+    unmoved = own_line.coordinates(np.zeros(at_own.shape[:-2]))
     limit = apart(critical)
     taken = apart(pushed if known else slip) / np.where(limit > 0, limit, np.nan)
     taken = np.where(allowed[..., 0], taken, -np.inf).max(axis=2)
     stable = (apart(of.is_stable) | ~allowed[..., 0]).all(axis=2)
-    holds = own(apart((slip < critical) & of.is_stable))
-    dead = np.where(holds[..., None], vector_length(own(apart(force(most)))), np.nan)
-    needed = own(apart(of.lengthening(most) - of.lengthening(0.0)))
-    at_places = np.stack([own(apart(P)) for P in (pushed, drawn)], axis=1)
+    holds, at_most = own((slip < critical) & of.is_stable), own(most)
+    dead = np.where(holds[..., None], vector_length(in_place.under(at_most)), np.nan)
+    needed = own_line.lengthening(at_most) - own_line.lengthening(0.0)
     return StrokeThrust(
         force=np.stack(forces, axis=1),
         compression=np.stack(compressions, axis=1),
-        own_force=np.stack([own(apart(force(P))) - at_own for P in (pushed, drawn)], axis=1),
-        own_compression=at_places,
-        moved=np.stack([shape - shapes[0] for shape in shapes[1:]], axis=1),
+        own_force=np.stack([in_place.under(P) - at_own for P in own_compressions], axis=1),
+        own_compression=np.stack(own_compressions, axis=1),
+        moved=np.stack([own_line.coordinates(P) - unmoved for P in own_compressions], axis=1),
         held=held,
         critical=np.moveaxis(
             np.where(allowed[..., 0], limit, np.inf).min(axis=(0, 2)), 0, len(cases)
@@ -306,8 +306,50 @@ def stroke_thrust(
         & (known | holds.all(axis=0)),
         dead_load=np.where(holds.all(axis=0)[..., None], dead.max(axis=0), np.nan),
         dead_load_shortening=np.where(holds.all(axis=0), needed.max(axis=0), np.nan),
-        shortening=own(apart(shortening)).max(axis=0),
+        shortening=own(shortening).max(axis=0),
     )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _MeanBearingForces:
+    """Mean forces on the bearings at places of the stroke, for any compression of the spline.
+
+    Attributes
+    ----------
+    line
+        How the compression bends the line.
+    without_motion, by_compression : (..., n-2, 3) N, 1
+        Where nothing moves, and what each N of compression adds.
+    by_modes : (..., n-2, 3, N) N/m
+        What the motion of each of the line's modes adds.
+    """
+
+    line: CompressedLine
+    without_motion: FloatArray
+    by_compression: FloatArray
+    by_modes: FloatArray
+
+    def under(self, compression: FloatArray) -> FloatArray:
+        """Return the forces under a compression (...) N, (..., n-2, 3) N."""
+        moved = self.line.modal_motion(compression)[..., None, :, None]
+        fixed = self.without_motion + compression[..., None, None] * self.by_compression
+        return fixed + (self.by_modes @ moved)[..., 0]
+
+    def at(self, places: Callable[[Any, int], Any]) -> "_MeanBearingForces":
+        """Return the same at some places, which a function takes from arrays of so many axes."""
+        line = self.line
+        return _MeanBearingForces(
+            line=CompressedLine(
+                shapes=places(line.shapes, 2),
+                softening=places(line.softening, 1),
+                load=places(line.load, 1),
+                spline=places(line.spline, 1),
+                is_stable=places(line.is_stable, 0),
+            ),
+            without_motion=places(self.without_motion, 2),
+            by_compression=places(self.by_compression, 2),
+            by_modes=places(self.by_modes, 3),
+        )
 
 
 def _reached_places(inputs: LineInputs, *, stroke: bool) -> BoolArray:

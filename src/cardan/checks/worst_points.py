@@ -42,7 +42,11 @@ from cardan.physics.loads.centre_bearing import (
     joint_forces,
     shaft_end_displacements,
 )
-from cardan.physics.loads.parametric_instability import line_swing_growth_rate, two_mode_growth
+from cardan.physics.loads.parametric_instability import (
+    line_swing_growth_rate,
+    two_mode_growth,
+    two_mode_growth_of_line,
+)
 from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.screening import (
     ShaftReachIntoObstacles,
@@ -279,9 +283,17 @@ def growth_rates_at(
     """Return how a line's swinging goes on at points (P, ..., S), where it lies."""
     inputs = mounts.inputs
     torque, pace = np.nan_to_num(at.torque), at.sense * np.nan_to_num(at.speed)
-    under = inputs.line.phases_under_torque(inputs.phases, torque)
-    turned = rotate_chain(lies.directions, phases=under, crosses=inputs.line.is_cross, samples=16)
-    rate = how(quick, quick.order2_coupling(turned), speed=pace, torque=torque)
+    rate = None
+    if how is two_mode_growth and lies is inputs.layout:
+        rate = two_mode_growth_of_line(
+            quick, inputs.line, lies.directions, inputs.phases, speed=pace, torque=torque
+        )
+    if rate is None:
+        under = inputs.line.phases_under_torque(inputs.phases, torque)
+        turned = rotate_chain(
+            lies.directions, phases=under, crosses=inputs.line.is_cross, samples=16
+        )
+        rate = how(quick, quick.order2_coupling(turned), speed=pace, torque=torque)
     return OperatingPointResults(
         curves=at.curves,
         curve_index=at.curve_index,

@@ -5,7 +5,7 @@ once, which lie side by side in memory: several times as fast, as long as they f
 (`stretches`). Few cases are LAPACK's: a step costs what a hundred of its equations do.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import prod
 from typing import Any, TypeAlias
 
@@ -48,6 +48,21 @@ def broadcast_cases(values: Any, axes: int, *, of: int) -> Any:
     """Return matrices or vectors, `of` axes of their own, with cases of so many axes."""
     own, cases = values.shape[:of], values.shape[of:]
     return values.reshape(*own, *(1,) * (axes - len(cases)), *cases)
+
+
+def case_table(parts: Sequence[tuple[Any, int]], cases: tuple[int, ...]) -> Any:
+    """Return arrays side by side, of each case in one piece of memory, (C, sum).
+
+    Each of the `parts` comes with how many axes of its own it has before those of the cases.
+    """
+    widths = [prod(v.shape[:of]) for v, of in parts]
+    found = np.empty((*cases, sum(widths)), np.result_type(*(v for v, _ in parts)))
+    start = 0
+    for (v, of), width in zip(parts, widths, strict=True):
+        rows = v.reshape(width, *(1,) * (len(cases) + of - v.ndim), *v.shape[of:])
+        found[..., start : start + width] = np.moveaxis(rows, 0, -1)
+        start += width
+    return found.reshape(prod(cases), found.shape[-1])
 
 
 def move_valid_points_to_front(

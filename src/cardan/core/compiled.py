@@ -2,7 +2,22 @@
 
 from collections.abc import Callable
 from functools import cache
+from math import prod
 from typing import Any
+
+COMPILED_MIN_CASES = 256
+"""Cases (variants times states) from which on a batch takes compiled loops.
+
+A check of one design and its corrections stay below: to import numba costs more than they do.
+"""
+
+
+def is_compiled_batch(cases: tuple[int, ...], *, points: int = 1) -> bool:
+    """Return whether a batch is large enough for loops that numba compiles.
+
+    `cases` are variants and states; or so many `points` of each too, told from them no more.
+    """
+    return prod(cases) >= points * COMPILED_MIN_CASES
 
 
 @cache

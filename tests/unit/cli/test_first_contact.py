@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
 import click
@@ -13,7 +14,7 @@ from click.testing import CliRunner
 from repository import EXAMPLES, ROOT
 
 import cardan
-from cardan.cli import cli
+from cardan.cli import cli, versions
 from cardan.cli.life import OPTION_GROUPS, life
 from cardan.cli.main import COMMAND_NAMES
 
@@ -106,6 +107,17 @@ def test_versions_of_all_parts_are_printed():
         assert commit.startswith(first.partition("commit ")[2] or "-")
     assert python.startswith("Python 3.")
     assert f"numpy {np.__version__}" in parts
+
+
+def test_versions_say_what_missing_numba_costs(monkeypatch):
+    def without_numba(name):
+        if name == "numba":
+            raise PackageNotFoundError
+        return "1.0"
+
+    monkeypatch.setattr(versions, "version", without_numba)
+    (line,) = (v for v in versions.version_lines() if v.startswith("numba"))
+    assert line.startswith("numba not installed: studies of many variants take 1.5 to 1.7 times")
 
 
 def test_completion_script_completes_commands():

@@ -6,6 +6,7 @@ Matrices (N, N, ...) and vectors (N, ...) have their cases last (`cardan.core.ba
 lines have few coordinates, and are evaluated at thousands of speeds.
 """
 
+from math import prod
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -15,6 +16,7 @@ from cardan.core.batched_linalg import (
     CaseBlockSlices,
     append_column,
     broadcast_cases,
+    case_table,
     matrix_product,
     slice_case_block,
     solve,
@@ -47,6 +49,13 @@ class DynamicStiffness:
     def cases(self) -> tuple[int, ...]:
         """The cases of the line."""
         return np.broadcast_shapes(self.still.shape[2:], self.mass.shape[2:], self.lost.shape[2:])
+
+    def case_table(self, cases: tuple[int, ...]) -> FloatArray:
+        """Return the matrices of each of C cases in one piece of memory, (C, 5, N, N)."""
+        each = self.still, self.lost, self.gyroscopic, self.mass, self.torsion
+        return case_table([(m, 2) for m in each], cases).reshape(
+            prod(cases), 5, *self.mass.shape[:2]
+        )
 
     def select_cases(self, of: CaseBlockSlices, axes: int) -> "DynamicStiffness":
         """Return the line in a stretch of its cases, as cases of so many axes."""

@@ -25,9 +25,16 @@ Source: harmonic balance of Hill's equation; two modes by averaging, as Asokanth
 it for torsion. Held against Floquet multipliers of a time integration in the tests.
 """
 
+from math import prod
+
 import numpy as np
 
 from cardan.core.arrays import ArrayLike, ComplexArray, FloatArray
+from cardan.core.batched_linalg import case_table, matrix_axes_first
+from cardan.core.compiled import is_compiled_batch
+from cardan.model.parts import Line
+from cardan.physics.loads.compiled_line_loads import growth_kernel
+from cardan.physics.loads.mean_line_loads import yoke_table
 from cardan.physics.loads.rubber_mount import MountedLine
 
 
@@ -51,6 +58,42 @@ def two_mode_growth(
     fed = size2 / (16 * ω[..., i] * ω[..., j])
     beyond = np.sqrt(((d - e + 1j * s) / 2) ** 2 + fed)
     return (np.real(beyond) - (d + e) / 2).max(-1)
+
+
+def two_mode_growth_of_line(
+    on: MountedLine,
+    line: Line,
+    directions: FloatArray,
+    phases: ArrayLike,
+    *,
+    speed: FloatArray,
+    torque: FloatArray,
+) -> FloatArray | None:
+    """Return `two_mode_growth` (P, ..., S) of a large batch by a compiled loop.
+
+    None where that serves nothing: few cases, no numba, or a joint that locks. The line lies alike
+    at all points: `directions` (..., S, n+1, 3).
+    """
+    cases = speed.shape[1:]
+    own = np.broadcast_shapes(
+        on.case_last_matrices.cases, directions.shape[:-2], np.shape(phases)[:-1]
+    )
+    kernel = growth_kernel() if is_compiled_batch(cases) and len(own) <= len(cases) else None
+    if kernel is None:
+        return None
+    C, n = prod(cases), line.joint_count
+    points = np.stack([np.broadcast_to(v, speed.shape) for v in (speed, torque)])
+    growth = np.empty((len(speed), C))
+    runs = kernel(
+        on.case_last_matrices.case_table(cases),
+        case_table([(matrix_axes_first(directions, of=2), 2)], cases).reshape(C, n + 1, 3),
+        yoke_table(line, phases, cases),
+        np.array(line.is_cross, dtype=float),
+        *on.tilt_tables(cases),
+        points.reshape(2, len(speed), C),
+        growth,
+    )
+    return growth.reshape(speed.shape) if runs else None
 
 
 def line_swing_growth_rate(

@@ -40,14 +40,22 @@ from cardan.core.arrays import (
 from cardan.core.batched_linalg import (
     broadcast_cases,
     cache_blocks,
+    case_table,
     matrix_axes_first,
     matrix_axes_last,
     slice_case_block,
     solve,
 )
+from cardan.core.compiled import is_compiled_batch
 from cardan.core.lazy_dataclass import dataclass
 from cardan.model.bracket_compliance import BracketCompliance
 from cardan.physics.kinematics.joint_chain import ChainRotation, cross_product
+from cardan.physics.loads.compiled_response import (
+    balance_kernel,
+    balanced_motions_by_loop,
+    response_kernel,
+    responses_by_loop,
+)
 from cardan.physics.loads.frequency_response import DynamicStiffness
 
 DEFAULT_LOSS_FACTOR = 0.1
@@ -69,7 +77,7 @@ RIGID_BEARING_STIFFNESS = 1e17
 """N/m, of a bearing that is said to be rigid: no shaft moves it by what a force would show."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class HarmonicMotion:
     """How a line on rubber moves at one order: complex amplitudes a, the motion Re a e^{iWt}.
 
@@ -216,7 +224,7 @@ class MountedLine:
         ahead = cross_product(moments[..., :-1, :], self.shaft_directions)
         behind = cross_product(moments[..., 1:, :], self.shaft_directions)
         both = np.concatenate([ahead, -behind], axis=-2)
-        return (both.reshape(*both.shape[:-2], 1, -1) @ self._tilts)[..., 0, :].astype(complex)
+        return (both.reshape(*both.shape[:-2], 1, -1) @ self.tilts)[..., 0, :].astype(complex)
 
     def response(
         self,
@@ -253,10 +261,17 @@ class MountedLine:
     ) -> HarmonicMotion:
         """Return the same for R forces by themselves, (..., R, N): motions (..., R, ...)."""
         W, omega, T = (np.asarray(v, dtype=float) for v in (frequency, speed, torque))
-        right = matrix_axes_first(np.asarray(forces, dtype=complex).mT, of=2)
+        forces = np.asarray(forces, dtype=complex)
         lead = np.broadcast_shapes(
-            right.shape[2:], W.shape, omega.shape, T.shape, self.case_last_matrices.cases
+            forces.shape[:-2], W.shape, omega.shape, T.shape, self.case_last_matrices.cases
         )
+        points, cases = self._points_and_cases(lead)
+        kernel = response_kernel() if is_compiled_batch(cases) else None
+        if kernel:
+            return HarmonicMotion(*responses_by_loop(
+                kernel, self._case_tables(cases), lead, forces, (W, omega, T), points=points
+            ))  # fmt: skip
+        right = matrix_axes_first(forces.mT, of=2)
         moved = np.empty((*right.shape[:2], *lead), dtype=complex)
         right = broadcast_cases(right, len(lead), of=2)
         asked = [np.broadcast_to(v, lead) for v in (W, omega, T)]
@@ -273,8 +288,14 @@ class MountedLine:
 
     def static_bearing_forces(self, forces: ComplexArray) -> ComplexArray:
         """Return what bearings carry, (..., n-2, 3) N, where forces (..., N) only hold still."""
-        local = (self._share @ forces[..., None])[..., 0]
+        local = (self.static_bearing_share @ forces[..., None])[..., 0]
         return (local.reshape(*local.shape[:-1], -1, 1, 3) @ self.bearing_frame)[..., 0, :]
+
+    def bearing_forces_of_shapes(self, shapes: FloatArray) -> FloatArray:
+        """Return what bearings carry at rest by shapes (..., N, M), (..., n-2, 3, M) N."""
+        local = self.bearing_stiffness[..., None] * (self.bearing_matrix @ shapes)
+        local = local.reshape(*local.shape[:-2], -1, 3, local.shape[-1])
+        return self.bearing_frame.mT @ local
 
     def rubber_deflection(
         self, forces: ArrayLike, *, lossy: ArrayLike = 0.0, each: bool = False
@@ -325,8 +346,12 @@ class MountedLine:
 
         `last_shaft` (..., 3) is the direction of the last shaft.
         """
-        motion = self.rear[..., -1, :, :] - self.rear[..., -2, :, :]
-        return (last_shaft[..., None, :] @ motion)[..., 0, :]
+        return (last_shaft[..., None, :] @ self.spline_motion)[..., 0, :]
+
+    @property
+    def spline_motion(self) -> FloatArray:
+        """How the rear end of the last shaft moves against that of the one before, (..., 3, N)."""
+        return self.rear[..., -1, :, :] - self.rear[..., -2, :, :]
 
     def stiffness_under_torque(self, torque: ArrayLike) -> FloatArray:
         """Return the static stiffness that a torque (...) N m leaves, (..., N, N) N/m."""
@@ -383,14 +408,24 @@ class MountedLine:
         speed, torque : (...) rad/s, N m
         """
         speed, torque = np.asarray(speed, dtype=float), np.asarray(torque, dtype=float)
+        lead = np.broadcast_shapes(
+            speed.shape, torque.shape, *(np.shape(f)[:-1] for f in pushes),
+            *(t.shape[:-2] for t in (swing if isinstance(swing, tuple) else (swing,))),
+            self.case_last_matrices.cases,
+        )  # fmt: skip
+        points, cases = self._points_and_cases(lead)
+        kernel = balance_kernel() if is_compiled_batch(cases) else None
+        if kernel and isinstance(swing, tuple):
+            moved, carried = balanced_motions_by_loop(
+                kernel, self._case_tables(cases), lead, pushes, swing, (speed, torque),
+                points=points,
+            )  # fmt: skip
+            still, twice, fourth = map(HarmonicMotion, moved, carried)
+            return still, twice, fourth
         forces = [matrix_axes_first(np.asarray(f), of=1) for f in pushes]
         forces[0] = forces[0].real
         tie = (swing[0].mT, swing[1]) if isinstance(swing, tuple) else (swing,)
         tie = [matrix_axes_first(part, of=2) for part in tie]
-        lead = np.broadcast_shapes(
-            speed.shape, torque.shape, *(f.shape[1:] for f in forces), *(t.shape[2:] for t in tie),
-            self.case_last_matrices.cases,
-        )  # fmt: skip
         forces = [broadcast_cases(f, len(lead), of=1) for f in forces]
         left, *right = (broadcast_cases(t, len(lead), of=2) for t in tie)
         under, pace = (np.broadcast_to(v, lead) for v in (torque, speed))
@@ -414,6 +449,41 @@ class MountedLine:
         lossy = np.sign(speed)
         q0, q2, q4 = (matrix_axes_last(q, of=1) for q in moved)
         return self.motion(q0, 0.0), self.motion(q2, lossy), self.motion(q4, lossy)
+
+    def _points_and_cases(self, lead: tuple[int, ...]) -> tuple[int, tuple[int, ...]]:
+        """Return how many points and which cases of the line are in cases (P, ..., S)."""
+        if len(lead) > len(self.case_last_matrices.cases):
+            return lead[0], lead[1:]
+        return 1, lead
+
+    def tilt_tables(self, cases: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
+        """Return `tilts` and `shaft_directions` of each of C cases (`case_table`)."""
+        tilts, along = (matrix_axes_first(v, of=2) for v in (self.tilts, self.shaft_directions))
+        return (
+            case_table([(tilts, 2)], cases).reshape(-1, *tilts.shape[:2]),
+            case_table([(along, 2)], cases).reshape(-1, *along.shape[:2]),
+        )
+
+    def _case_tables(self, cases: tuple[int, ...]) -> tuple[FloatArray, ...]:
+        """Return matrices, bearings, springs and directions of each of C cases (`case_table`)."""
+        if cases not in self._tables_of_cases:
+            rows, springs = self.bearing_matrix, self.bearing_stiffness
+            loss, frame = np.repeat(self.loss, 3, axis=-1), self.bearing_frame
+            frame = frame.reshape(*frame.shape[:-2], 9)
+            B, N = rows.shape[-2:]
+            last = [matrix_axes_first(v, of=1) for v in (springs, loss)]
+            self._tables_of_cases[cases] = (
+                self.case_last_matrices.case_table(cases),
+                case_table([(matrix_axes_first(rows, of=2), 2)], cases).reshape(-1, B, N),
+                case_table([(v, 1) for v in last], cases).reshape(-1, 2, B),
+                case_table([(matrix_axes_first(frame, of=2), 2)], cases).reshape(-1, B // 3, 9),
+            )
+        return self._tables_of_cases[cases]
+
+    @cached_property
+    def _tables_of_cases(self) -> dict[tuple[int, ...], tuple[FloatArray, ...]]:
+        """Those that were made."""
+        return {}
 
     def dynamic_stiffness(
         self, frequency: ArrayLike, speed: ArrayLike, torque: ArrayLike
@@ -449,7 +519,7 @@ class MountedLine:
         return HarmonicMotion(coordinates=moved, bearing_forces=turned)
 
     @cached_property
-    def _tilts(self) -> FloatArray:
+    def tilts(self) -> FloatArray:
         """Tilts of the shafts' front ends, then of their rear ones, (..., 6 (n-1), N) 1/m."""
         both = np.concatenate([self.front_tilt, self.rear_tilt], axis=-3)
         return both.reshape(*both.shape[:-3], -1, both.shape[-1])
@@ -489,7 +559,7 @@ class MountedLine:
         return tuple(n for n in ("brackets", "flanges") if getattr(self, n) is not None)
 
     @cached_property
-    def _share(self) -> FloatArray:
+    def static_bearing_share(self) -> FloatArray:
         """Forces of the bearings' directions for 1 N on each coordinate, (..., 3 (n-2), N)."""
         return (
             self.bearing_stiffness[..., None]

@@ -11,6 +11,7 @@ Left out is the shafts' inertia, whose share is small where resonance is.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 from math import prod
 from typing import Any, TypeAlias
 
@@ -28,6 +29,7 @@ from cardan.core.batched_linalg import (
     CaseBlockSlices,
     broadcast_cases,
     cache_blocks,
+    case_table,
     matrix_axes_first,
     matrix_axes_last,
     matrix_product,
@@ -35,11 +37,17 @@ from cardan.core.batched_linalg import (
     slice_case_block,
     solve,
 )
+from cardan.core.compiled import is_compiled_batch
 from cardan.core.lazy_dataclass import dataclass
 from cardan.model.layout import Layout
 from cardan.model.parts import Line
 from cardan.physics.kinematics.joint_chain import rotate_chain
 from cardan.physics.loads.centre_bearing import unbalance_excitation
+from cardan.physics.loads.compiled_response import (
+    ResponseKernel,
+    raise_if_singular,
+    screening_kernel,
+)
 from cardan.physics.loads.half_turn_fourier import semi_major_axis
 from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust, joint_loads
@@ -264,7 +272,11 @@ class BearingForceScreeningModel:
         cases = given[0].shape
         bearings = len(self.bearing_matrix) // 3
         count = 3 * bearings * len(kinds) + len(self.approach_matrix)
-        if len(cases) != 3 or prod(cases) <= 2 * CACHE_BLOCK_CASES:
+        kernel = screening_kernel() if is_compiled_batch(cases[1:]) else None
+        if kernel:
+            there = np.broadcast_to(there, cases)
+            sizes = self._point_by_point(kernel, there, given, count, kinds=kinds)
+        elif len(cases) != 3 or prod(cases) <= 2 * CACHE_BLOCK_CASES:
             sizes = np.empty((count, *cases))
             for some in cache_blocks(cases):
                 slice_case_block(sizes, some)[...] = self._some(
@@ -319,6 +331,76 @@ class BearingForceScreeningModel:
                 )[..., 0]
         _, variant, state = broadcastable_axis_indices(there.shape)
         return found[:, state, place, variant]
+
+    def _point_by_point(
+        self,
+        kernel: ResponseKernel,
+        there: BoolArray,
+        given: Sequence[FloatArray],
+        sizes: int,
+        *,
+        kinds: tuple[bool, ...],
+    ) -> FloatArray:
+        """Return so many sizes (X, P, ..., S) by the compiled loop over points."""
+        cases = there.shape
+        found = np.empty((sizes, cases[0], prod(cases[1:])))
+        points = np.stack(given).reshape(len(given), *found.shape[1:])
+        exist = np.ascontiguousarray(there.reshape(found.shape[1:]))
+        raise_if_singular(
+            kernel(*self._case_tables(cases[1:]), points, exist, np.array(kinds), found)
+        )
+        return found.reshape(sizes, *cases)
+
+    def _case_tables(self, cases: tuple[int, ...]) -> tuple[Any, ...]:
+        """Return what `screened_sizes` takes of each case, in one piece of memory."""
+        if cases not in self._tables_of_cases:
+            self._tables_of_cases[cases] = self._computed_case_tables(cases)
+        return self._tables_of_cases[cases]
+
+    @cached_property
+    def _tables_of_cases(self) -> dict[tuple[int, ...], tuple[Any, ...]]:
+        """Those that were made."""
+        return {}
+
+    def _computed_case_tables(self, cases: tuple[int, ...]) -> tuple[Any, ...]:
+        def table(parts: Sequence[tuple[Any, int]], *own: int) -> Any:
+            return case_table(parts, cases).reshape(prod(cases), *own)
+
+        line = self.mounted_line.case_last_matrices
+        N, (R, B) = len(line.mass), (len(v) for v in (self.approach_matrix, self.bearing_matrix))
+        rides: list[Any] = []
+        for k in range(len(self.coordinate_forces[0])):
+            order2 = [
+                (part, of)
+                for (still, more), of in zip(self.order2_terms, (1, 2, 1), strict=True)
+                for part in (still[k].real, still[k].imag, more[k].real, more[k].imag)
+            ]
+            rides += [
+                (self.coordinate_forces[0][k], 1), *order2[:8],
+                (self.direct_bearing_forces[0][k], 1), *order2[8:],
+                (self.weight_forces[k], 1), (self.clearance[min(k, len(self.clearance) - 1)], 1),
+            ]  # fmt: skip
+        thrust, unbalance = self.thrust, self.unbalance_excitation
+        lead = [] if thrust is None else [
+            part
+            for towards in (0, 1) for way in (0, 1)
+            for part in (
+                (thrust.force[towards, way], 1), (thrust.compression[towards, way], 1),
+                (thrust.own_compression[towards, way], 0), (thrust.moved[towards, way], 1),
+            )
+        ]  # fmt: skip
+        ways = 2 if lead else 0
+        return (
+            line.case_table(cases),
+            table(rides, len(self.coordinate_forces[0]), -1),
+            table([(self.bearing_matrix, 2)], B, N),
+            table([(v, 1) for v in (self.bearing_stiffness, self.loss, self.rubber_compliance)],
+                  3, B),
+            np.empty((prod(cases), N, 0), complex) if unbalance is None
+            else table([(unbalance, 2)], N, -1),
+            table([(self.approach_matrix, 2)], R, N),
+            table(lead, 2, ways, -1) if lead else np.empty((prod(cases), 2, 0, 0)),
+        )  # fmt: skip
 
     def transient_bearing_forces(
         self,

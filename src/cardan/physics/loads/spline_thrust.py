@@ -21,10 +21,14 @@ at three quarters of the critical compression.
 Source: derived from first principles; forces and modes confirmed by a multibody engine.
 """
 
+from math import prod
+
 import numpy as np
 
 from cardan.core.arrays import ArrayLike, BoolArray, FloatArray
+from cardan.core.compiled import is_compiled_batch
 from cardan.core.lazy_dataclass import dataclass
+from cardan.physics.loads.compiled_line_loads import buckling_kernel, compression_kernel
 from cardan.physics.loads.rubber_mount import MountedLine
 
 LARGEST_SHARE_OF_CRITICAL = 1 - 1e-6
@@ -32,6 +36,10 @@ LARGEST_SHARE_OF_CRITICAL = 1 - 1e-6
 
 _ITERATIONS = 60
 """Halvings at most; Newton's method takes fewer than ten."""
+
+
+PLACES_OF_A_STROKE = 64
+"""Places of each case, about: a line is compressed at all of them at once."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,14 +77,18 @@ class CompressedLine:
         left = 1 - P * self.softening
         return (self.load + P * self.spline) / left, left
 
+    def modal_motion(self, compression: ArrayLike) -> FloatArray:
+        """Return the displacements (..., N) of the `shapes` at a compression (...) N."""
+        return self._modal(compression)[0]
+
     def coordinates(self, compression: ArrayLike) -> FloatArray:
         """Return the mean shape at a compression (...) N, (..., N) m."""
-        moved, _ = self._modal(compression)
+        moved = self.modal_motion(compression)
         return (self.shapes @ moved[..., None])[..., 0]
 
     def lengthening(self, compression: ArrayLike) -> FloatArray:
         """Return how much longer that shape has the spline, (...) m."""
-        moved, _ = self._modal(compression)
+        moved = self.modal_motion(compression)
         return (moved * (self.spline + self.softening * moved / 2)).sum(-1)
 
     def spline_stiffness(self, compression: ArrayLike) -> FloatArray:
@@ -96,6 +108,23 @@ class CompressedLine:
             self.is_stable.shape, *(np.shape(v) for v in (lengthening, least, most))
         )
         low, high = (np.broadcast_to(np.asarray(v, dtype=float), cases) for v in (least, most))
+        kernel = (
+            compression_kernel() if is_compiled_batch(cases, points=PLACES_OF_A_STROKE) else None
+        )
+        if kernel:
+            given = (np.broadcast_to(lengthening, cases), low, high)
+            modes = (self.softening, self.load, self.spline)
+            found = np.empty(prod(cases))
+            kernel(
+                *(
+                    np.broadcast_to(v, (*cases, v.shape[-1])).reshape(-1, v.shape[-1])
+                    for v in modes
+                ),
+                *(np.ascontiguousarray(v, dtype=float).reshape(-1) for v in given),
+                _ITERATIONS,
+                found,
+            )
+            return found.reshape(cases)
         first, last = (np.asarray(lengthening) - self.lengthening(P) for P in (low, high))
         # Where friction gives way first, that is the answer.
         low, high = np.where(last >= 0, high, low), np.where(first <= 0, low, high)
@@ -125,13 +154,7 @@ def compressed_line(
         (`MountedLine.spline_gradient`).
     torque : (...) N m
     """
-    K = held.stiffness_under_torque(torque)
-    squares, vectors = np.linalg.eigh(K)
-    stable = squares[..., 0] > 0
-    squares = np.where(stable[..., None], squares, np.abs(squares) + squares[..., -1:])
-    root = vectors / np.sqrt(squares)[..., None, :]
-    softening, turned = np.linalg.eigh(root.mT @ held.geometric @ root)
-    shapes = root @ turned
+    shapes, softening, stable = _buckling_modes(held, np.asarray(torque, dtype=float))
     return CompressedLine(
         shapes=shapes,
         softening=softening,
@@ -139,6 +162,43 @@ def compressed_line(
         spline=(spline[..., None, :] @ shapes)[..., 0, :],
         is_stable=stable,
     )
+
+
+def _buckling_modes(
+    held: MountedLine, torque: FloatArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return `shapes`, `softening` and `is_stable` of a `CompressedLine`."""
+    own = np.broadcast_shapes(held.mass.shape[:-2], held.geometric.shape[:-2])
+    lead, N = np.broadcast_shapes(torque.shape, own), held.mass.shape[-1]
+    own = lead[len(lead) - len(own) :]
+    kernel = buckling_kernel() if is_compiled_batch(own) else None
+    if kernel is None:
+        return _buckling_modes_by_lapack(held.stiffness_under_torque(torque), held.geometric)
+    each = [
+        np.broadcast_to(m, (*own, N, N)).reshape(-1, N, N)
+        for m in (held.stiffness_under_torque(0.0), held.torsion, held.geometric)
+    ]
+    T = np.broadcast_to(torque, lead).reshape(-1, prod(own))
+    shapes, softening = np.empty((*T.shape, N, N)), np.empty((*T.shape, N))
+    stable = np.empty(T.shape, dtype=bool)
+    kernel(*each, T, shapes, softening, stable)
+    if not stable.all():
+        case = np.nonzero(~stable)[1]
+        K = each[0][case] + T[~stable][:, None, None] * each[1][case]
+        shapes[~stable], softening[~stable], _ = _buckling_modes_by_lapack(K, each[2][case])
+    return shapes.reshape(*lead, N, N), softening.reshape(*lead, N), stable.reshape(lead)
+
+
+def _buckling_modes_by_lapack(
+    K: FloatArray, geometric: FloatArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return the same of stiffnesses K (..., N, N) N/m under torque."""
+    squares, vectors = np.linalg.eigh(K)
+    stable = squares[..., 0] > 0
+    squares = np.where(stable[..., None], squares, np.abs(squares) + squares[..., -1:])
+    root = vectors / np.sqrt(squares)[..., None, :]
+    softening, turned = np.linalg.eigh(root.mT @ geometric @ root)
+    return root @ turned, softening, stable
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -213,7 +213,7 @@ def bearing_forces_of_weight_and_thrust(
     still = 0 * layout.directions[..., 1:, None, :] * two[0]
     if line.joint_bending_stiffnesses is not None:
         still = still + elastic_joint_moments(layout, line)[..., None, :] * two[0]
-    weights = _weights(line, gravity)[..., None, :] * two[0]
+    weights = shaft_end_weights(line, gravity)[..., None, :] * two[0]
     _, bearings = _carried(
         layout,
         line,
@@ -231,7 +231,7 @@ def _steady(
     xp = array_namespace(moments)
     # Weight and thrust act on order 0 alone.
     steady = xp.asarray(np.eye(moments.shape[-2], 1))
-    weights = xp.asarray(_weights(line, gravity))[..., None, :] * steady
+    weights = xp.asarray(shaft_end_weights(line, gravity))[..., None, :] * steady
     return _carried(
         layout,
         line,
@@ -316,7 +316,7 @@ def _times(power: list[Any], waves: Any, *, orders: int) -> Any:
     return stack_keeping_parts_contiguous(found, axis=-2)
 
 
-def _weights(line: Line, gravity: float) -> FloatArray:
+def shaft_end_weights(line: Line, gravity: float) -> FloatArray:
     """Weight on the front and rear end of each shaft, (..., n-1, 2, 3) N."""
     return _end_masses(line)[..., None] * np.array([0.0, 0.0, -gravity])
 
@@ -372,7 +372,7 @@ def _held(
     along = layout.directions[..., 1:-1, None, :]
     steps = (layout.points[..., 1:, :] - layout.points[..., :-1, :])[..., None, :]
     lengths = xp.sqrt(dot_product(steps, steps))[..., None]
-    overhangs = xp.asarray(_overhangs(line))[..., None, None]
+    overhangs = xp.asarray(bearing_overhangs(line))[..., None, None]
     front, rear = ends
     behind = -couples[..., -1, :, :] / lengths[..., -1, :, :] - tension * along[..., -1, :, :]
     joints = [behind + rear[..., -1, :, :], behind - front[..., -1, :, :]]
@@ -392,7 +392,7 @@ def _held(
     return stack_keeping_parts_contiguous([*behind[::-1], last_one], axis=-3), on_bearings
 
 
-def _overhangs(line: Line) -> FloatArray:
+def bearing_overhangs(line: Line) -> FloatArray:
     """Rear joint of each shaft behind its bearing, (..., n-1) m."""
     bearings = [s.centre_bearing for s in line.shafts]
     return stack_on_last_axis(b.from_rear_joint if b else 0.0 for b in bearings)

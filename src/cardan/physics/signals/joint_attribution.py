@@ -384,7 +384,7 @@ def _response_step_doubt(case: IdentificationProblem, theirs: "_JointLines") -> 
     if step is None:
         return None
     at = round(step.time * case.rate)
-    # The gains are of what was fitted to both parts: the gains of each part show how far they are apart.
+    # The gains are of what was fitted to both parts; each part alone shows how far they are apart.
     before, after = (
         least_squares(line.columns[:, part], line.fitted_signal[part])[0] @ line.columns
         for part in (slice(at), slice(at, None))

@@ -1,4 +1,4 @@
-"""Changes of a channel's gain or filter by the steps of its values, where no other gauge shows them.
+"""Changes of a channel's gain or filter by the steps of its values, without another gauge.
 
 A converter writes multiples of one step. Who multiplies the values from some time on multiplies
 the step as well, and who filters them leaves none; no vehicle does either. Nothing is found where
