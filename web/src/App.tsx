@@ -15,7 +15,7 @@ import { Suggestions } from "./Suggestions";
 import { hasUnsavedEdits } from "./history";
 import { Library, LibraryView } from "./Library";
 import { Limits } from "./Limits";
-import { partGrades } from "./gradeLookup";
+import { partGrades, verdictText } from "./gradeLookup";
 import { PartsTable } from "./Parts";
 import { Phasors } from "./Phasors";
 import { JointAngleTable, StatePicker } from "./StatePicker";
@@ -216,7 +216,7 @@ function Strip({ known }: { known: AppState }) {
   const bad = store.rows().filter((r): r is Row => r.values !== undefined && worstRank(r) < -0.5).sort((a, b) => worstRank(a) - worstRank(b));
   return (
     <section class={`strip ${decided ? (verdict ?? "") : ""} ${settled ? "" : "open"}`} aria-label={t("Verdict")}>
-      <p class="verdict" role="status"><span aria-hidden="true">{verdict ? (decided ? SIGNS[verdict] : "…") : ""}</span> {verdict ? ((!unfinished && verdict === full?.verdict && full.headline) || t(verdict)) : "…"}</p>
+      <p class="verdict" role="status"><span aria-hidden="true">{verdict ? (decided ? SIGNS[verdict] : "…") : ""}</span> {verdict ? ((!unfinished && verdict === full?.verdict && full.headline) || verdictText(verdict)) : "…"}</p>
       <p class="counts">
         {full && !unfinished && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counted[g]}</span>)}
         {full && !unfinished && full.missed > 0 && <span>{t("{count} not evaluated", { count: full.missed })}</span>}

@@ -8,6 +8,7 @@ import { formatFixed, formatNumber, marginText } from "./format";
 import { toSceneAxes, surfaceMaterial, useScene3d, type Scene3d } from "./scene3d";
 import { store, type Job, type AppState } from "./store";
 import { t } from "./i18n";
+import { verdictText } from "./gradeLookup";
 import type { Point, Seated } from "./types";
 import { JobButton } from "./SpeedView";
 
@@ -19,7 +20,7 @@ export default function Bracket({ known }: { known: AppState }) {
   const of = job?.answer;
   return (
     <>
-      <Card id="bracket" title={t("The bracket")} head={<><JobButton job={job} name="bracket" word={t("solve it")} stale={job?.of !== store.about({})} ask={() => store.work("bracket")} />{of && <b class={of.verdict}>{t(of.verdict)}</b>}</>}>
+      <Card id="bracket" title={t("The bracket")} head={<><JobButton job={job} name="bracket" word={t("solve it")} stale={job?.of !== store.about({})} ask={() => store.work("bracket")} />{of && <b class={of.verdict}>{verdictText(of.verdict)}</b>}</>}>
         {!of && known.missing.some((m) => m.extra === "bracket") && <p class="note warn">{t("The bracket cannot be solved yet: pip install 'cardan[bracket]', then start again")}</p>}
         {!of && <p class="note">{t("Finite elements under the loads of every state: some minutes. Its shape: bracket in the file.")}</p>}
         {!of && known.history && !/^bracket:/m.test(known.history.text) && <ExampleBracket known={known} text={known.history.text} />}

@@ -5,7 +5,7 @@ import { Card, Select } from "./Card";
 import type { ShownLine } from "./Drawing";
 import { CellMap } from "./CellMap";
 import { formatFixed, formatNumber, formatPercent, withDecimalSign } from "./format";
-import { VERDICTS } from "./gradeLookup";
+import { VERDICTS, verdictText } from "./gradeLookup";
 import { JobButton, cellEdges } from "./SpeedView";
 import { store, type Job, type AppState } from "./store";
 import { t } from "./i18n";
@@ -47,7 +47,7 @@ function Fix({ known, shown }: Both) {
       <ol class="proposals">
         {found?.map((p, k) => (
           <li key={k} class={p.verdict}>
-            <p><b class={p.verdict}>{t(p.verdict)}</b> {p.moves.join("; ")}</p>
+            <p><b class={p.verdict}>{verdictText(p.verdict)}</b> {p.moves.join("; ")}</p>
             <p class="note">{p.margins}{p.survives.map((s) => <small key={s}>{s}</small>)}{p.left.map((s) => <small key={s}>{s}</small>)}</p>
             <button disabled={stale || Object.keys(p.edits).length === 0} onClick={() => { store.pin(); store.apply(p.edits); }}>{t("apply it, pin what is")}</button>
           </li>
@@ -128,7 +128,7 @@ function Map({ known, shown }: Both) {
             strength={(row, column) => 0.25 + 0.7 * Math.min(1, Math.abs(of.margins[row]?.[column] ?? 1))}
             at={[r, c]}
             choose={(row, column) => setAt([row, column])}
-            said={`${of.x.said} ${formatNumber(cell.x)} ${unit(of.x.unit)}, ${of.y.said} ${formatNumber(cell.y)} ${unit(of.y.unit)}: ${t(cell.verdict)}, ${cell.name ?? ""}${cell.margin === null || cell.margin === undefined ? "" : ` ${formatPercent(cell.margin)} %`}`}
+            said={`${of.x.said} ${formatNumber(cell.x)} ${unit(of.x.unit)}, ${of.y.said} ${formatNumber(cell.y)} ${unit(of.y.unit)}: ${verdictText(cell.verdict)}, ${cell.name ?? ""}${cell.margin === null || cell.margin === undefined ? "" : ` ${formatPercent(cell.margin)} %`}`}
             height={330}
             theme={known.theme}
           />
@@ -166,7 +166,7 @@ function Scatter({ known, shown }: Both) {
       {of?.yield && (
         <>
           <p class="figure"><b>{formatFixed(100 * of.yield[0], 2)} %</b> {t("may be built ({low} to {high} %, of {count} tried)", { low: formatFixed(100 * of.yield[1], 2), high: formatFixed(100 * of.yield[2], 2), count: of.count })}</p>
-          <p class="chips">{VERDICTS.map((v) => { const share = of.shares[v]?.[0] ?? 0; return share > 0 && <span key={v}><b class={v}>{formatFixed(100 * share, 2)} %</b> {t(v)}</span>; })}</p>
+          <p class="chips">{VERDICTS.map((v) => { const share = of.shares[v]?.[0] ?? 0; return share > 0 && <span key={v}><b class={v}>{formatFixed(100 * share, 2)} %</b> {verdictText(v)}</span>; })}</p>
           <svg class="bins" viewBox="0 0 240 62" role="img" aria-label={t("cases by their smallest margin")}>
             {cases.map((row, g) => row.map((v, k) => {
               const below = cases.slice(0, g).reduce((sum, r) => sum + (r[k] ?? 0), 0);

@@ -38,7 +38,7 @@ export function Library({ known }: { known: AppState }) {
           {shown.map((r) => (
             <li key={r.file}>
               <input type="checkbox" disabled={!r.verdict} aria-label={t("compare {file}", { file: showHiddenMarks(r.name) })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
-              <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? r.headline || t(r.verdict) : r.title ? t("campaign") : t("unreadable")}</b>
+              <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? r.headline : r.title ? t("campaign") : t("unreadable")}</b>
               <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{showHiddenMarks(r.name)}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
               <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${marginText(r.worst.margin)}`)}</span>
             </li>

@@ -102,7 +102,7 @@ export function NewFileForm({ known }: { known: AppState }) {
           })}
         </DataTable>
       </Card></div>
-      <div class="right"><Card id="comes" kind={`guided ${(current && of?.verdict) || ""}`} title={t("What it comes to")} head={of && (current ? <b class={of.verdict} role="status">{of.headline || t(of.verdict)}</b> : <span class="pending" role="status">{job?.why || t("calculating …")}</span>)}>
+      <div class="right"><Card id="comes" kind={`guided ${(current && of?.verdict) || ""}`} title={t("What it comes to")} head={of && (current ? <b class={of.verdict} role="status">{of.headline}</b> : <span class="pending" role="status">{job?.why || t("calculating …")}</span>)}>
         {!of && !long && <ul class="problems">{typed().map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
         {!of && !long && typed().length === 0 && <p class="note">{t("Fill in the slopes and lengths: the verdict follows.")} {missing() && `${t("Still missing:")} ${missing()}`}</p>}
         {of && (
@@ -115,7 +115,7 @@ export function NewFileForm({ known }: { known: AppState }) {
             </ul>
             {of.after && (
               <>
-                <p><b>{t("wheelbase after")}</b> {form.wheelbase_to} {form.unit}: <b class={of.after.verdict}>{of.after.headline || t(of.after.verdict)}</b></p>
+                <p><b>{t("wheelbase after")}</b> {form.wheelbase_to} {form.unit}: <b class={of.after.verdict}>{of.after.headline}</b></p>
                 <ul class="others">{of.after.checks.map((c, k) => <CheckLine key={k} of={c} />)}</ul>
               </>
             )}

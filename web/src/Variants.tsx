@@ -59,7 +59,7 @@ export function VariantComparison({ of, head }: { of: Compared | null; head: Com
     <DataTable label={t("Variants side by side")} head={["", ...head]}>
       {of && (
         <>
-          {of.variants[0]?.verdict && <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict ?? ""}>{v.headline || t(v.verdict ?? "")}</b> <small>{v.counted.fail}, {v.counted.warn}</small></td>)}</tr>}
+          {of.variants[0]?.verdict && <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict ?? ""}>{v.headline}</b> <small>{v.counted.fail}, {v.counted.warn}</small></td>)}</tr>}
           {of.differences.map((d) => <tr key={d.name} class="differs"><th scope="row">{d.name}</th>{d.values.map((v, k) => <td key={k}>{v}</td>)}</tr>)}
           {of.effects.map((e) => <tr key={e.name}><th scope="row">{e.name}</th>{e.values.map((v, k) => <td key={k} class={e.grades[k] ?? ""}>{v}</td>)}</tr>)}
         </>

@@ -53,10 +53,10 @@ from cardan.render.phrases import (
     note_sentences,
     unevaluated_limit_lines,
     value_and_bound,
+    verdict_text,
     worst_check_per_limit,
 )
 from cardan.render.provenance_table import report_blocks as data_used
-from cardan.render.screen_layout import approval_text
 from cardan.render.state_table import (
     StateTableRow,
     driveline_title,
@@ -160,7 +160,7 @@ def approval_report_from_results(
         title=of.application.title,
         subtitle=say("Driveline approval report"),
         grade=of.verdict,
-        verdict=approval_text(of, say),
+        verdict=verdict_text(of, say),
         facts=(
             *identification_facts(of.application, say),
             (say("Coverage"), _coverage_text(of, say)),
@@ -186,7 +186,7 @@ def comparison_report(
         rows=tuple(
             (
                 n,
-                approval_text(v.approval, say),
+                verdict_text(v.approval, say),
                 criteria_count_text(v.approval, say),
                 v.approval.application.profile,
             )
@@ -232,7 +232,7 @@ def comparison_report(
     revisions = (revision_table(last, say, issue), *_file_blocks(say, issue))
     chapters.append(Chapter(title=say("Revisions"), blocks=revisions))
     grades: list[Verdict] = [v.approval.verdict for v in of]
-    said = (approval_text(v.approval, say) for v in of)
+    said = (verdict_text(v.approval, say) for v in of)
     return ReportDocument(
         language=say.code,
         is_sheet=True,

@@ -20,6 +20,7 @@ from cardan.documents.first_screen import screen_lines
 from cardan.render.check_texts import limit_text, lower_bound_explanation, value_text
 from cardan.render.i18n import ENGLISH, LANGUAGE_CODES, Translator
 from cardan.render.phrases import (
+    VERDICT_TEXTS,
     citation,
     doubtful_value_count_text,
     is_partial_approval,
@@ -127,7 +128,7 @@ def file_lines(of: "Sequence[Variant]", say: Translator = ENGLISH) -> Iterator[s
         room = " " * (wide - display_width(v.name))
         yield f"{v.name}{room}  {verdict}: {'; '.join(told)}"
     counts = Counter(v.approval.verdict for v in of)
-    found = ", ".join(f"{counts[v]} {say(v)}" for v in VERDICTS if counts[v])
+    found = ", ".join(f"{counts[v]} {say(VERDICT_TEXTS[v])}" for v in VERDICTS if counts[v])
     yield say.count(
         "{count} file: {verdicts}", "{count} files: {verdicts}", len(of), verdicts=found
     )

@@ -35,8 +35,8 @@ from cardan.render.phrases import (
     adjustment_phrase,
     check_grade_count_texts,
     note_sentences,
-    partial_approval_texts,
     unevaluated_limit_lines,
+    verdict_text,
 )
 from cardan.topics.design.drag_handles import (
     HANDLE_KINDS,
@@ -289,7 +289,7 @@ def _full_result(read: ParsedDocument, _: Json, say: Translator, __: PartialResu
     others = [c for f in found.study_results if f.study != DRIVELINE_STUDY_NAME for c in f.checks]
     return {
         "verdict": found.verdict,
-        "headline": partial_approval_texts(found, say).get(found.verdict, ""),
+        "headline": verdict_text(found, say),
         "counted": check_grade_count_texts(found.checks, say),
         "missed": len(found.coverage.unevaluated),
         "unanswered": unevaluated_limit_lines(found, say),
@@ -410,7 +410,7 @@ def _compare_variants(
             {
                 "name": v.name,
                 "verdict": v.approval.verdict,
-                "headline": partial_approval_texts(v.approval, say).get(v.approval.verdict, ""),
+                "headline": verdict_text(v.approval, say),
                 "counted": check_grade_count_texts(v.approval.checks, say),
             }
             for v in found
