@@ -66,7 +66,7 @@ function Script({ known }: { known: AppState }) {
     <Card id="script" title={t("What was done, as a script")}>
       <pre tabindex={0} data-field="script">{of.script}</pre>
       <pre tabindex={0}>{of.commands.join("\n")}</pre>
-      {of.other.length > 0 && <p class="note">{t("Changed too, and no number: save the file for it")}: {of.other.join(", ")}</p>}
+      {of.other.length > 0 && <p class="note">{t("Changed too, not a number: save the file to see it")}: {of.other.join(", ")}</p>}
     </Card>
   );
 }
@@ -96,14 +96,14 @@ function Reports({ known }: { known: AppState }) {
           <label>{t("Language")}<Select value={lang} choose={speak} of={known.languages} /></label>
           <label>{t("as")}<Select data-field="kind" value={kind} choose={ask} of={known.campaign ? ["html", "pdf", "json"] : ["html", "pdf", "xlsx", "json"]} /></label>
         </div>
-        <JobButton job={job} name="report" word={t("make and take it")} stale ask={() => store.work("report", { kind, lang })} />
+        <JobButton job={job} name="report" word={t("create and download")} stale ask={() => store.work("report", { kind, lang })} />
       </Card><Script known={known} /></div>
       <div class="right"><Card id="revisions" title={t("Revisions")}>
         <div class="fields">
           <label>{t("signed by")}<input data-field="by" maxLength={100} value={by} onInput={(e) => sign(e.currentTarget.value)} /></label>
           <label>{t("why")}<input data-field="note" maxLength={300} value={note} onInput={(e) => say(e.currentTarget.value)} /></label>
         </div>
-        <button data-do="freeze" disabled={!by.trim() || known.freezing} onClick={() => store.freeze(by, note)}>{t("freeze what is shown")}</button>
+        <button data-do="freeze" disabled={!by.trim() || known.freezing} onClick={() => store.freeze(by, note)}>{t("release revision")}</button>
         <ol reversed class="proposals">
           {known.revisions.map((r) => (
             <li key={r.name} value={Number(r.name)}>{r.said} <button class="plain" onClick={() => { store.beside(`${r.name}: ${r.said}`.slice(0, 100), r.text); store.show("variants"); }}>{t("what changed since")}</button></li>

@@ -23,7 +23,7 @@ export default function LineScene({ known, shown }: { known: AppState; shown: Sh
           <button key={key} onClick={() => stage.current?.look(points, VIEWS[key] as Point)}>{name}</button>
         ))}
       </div>
-      {missing ? <p class="note">{t("This browser draws nothing in three dimensions.")}</p> : <div class="canvas" ref={box} />}
+      {missing ? <p class="note">{t("This browser has no 3-D graphics.")}</p> : <div class="canvas" ref={box} />}
     </figure>
   );
 }

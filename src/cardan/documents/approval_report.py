@@ -51,6 +51,7 @@ from cardan.render.phrases import (
     grouped_unevaluated_lines,
     limit_sense_symbol,
     note_sentences,
+    placeholder_sentence,
     unevaluated_limit_lines,
     value_and_bound,
     verdict_text,
@@ -140,7 +141,10 @@ def approval_report_from_results(
         Chapter(title=say("Limits"), blocks=tuple(verdict_report_blocks(of, say, short=short))),
         Chapter(title=say("What to change"), blocks=tuple(_change_blocks(of, helps, fixes, say))),
     ]
-    for response in () if short else of.line_responses:
+    if of.application.placeholders and not short:
+        why = Text(paragraphs=(placeholder_sentence(of, say),))
+        chapters.append(Chapter(title=say("Results by state"), blocks=(why,)))
+    for response in () if short or of.application.placeholders else of.line_responses:
         chapters += _line_chapters(response, of.checks, say, several=several)
     chapters += [
         *_study_chapters(of, say, short=short),

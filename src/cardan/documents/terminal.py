@@ -25,6 +25,7 @@ from cardan.render.phrases import (
     doubtful_value_count_text,
     is_partial_approval,
     note_sentences,
+    placeholder_sentence,
     short_verdict_text,
     unevaluated_limit_lines,
     verdict_text,
@@ -93,6 +94,11 @@ def approval_lines(
             yield from load_function(lines)(found, say)
     if sources and not every:
         yield from _source_lines(of, say, width)
+    if of.application.placeholders:
+        if phasings or states or every:
+            yield ""
+            yield from fold_lines([placeholder_sentence(of, say)], width)
+        return
     if every or phasings:
         for response in of.line_responses:
             yield from _yoke_phasing_lines(response, say, width, several=several)

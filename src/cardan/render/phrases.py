@@ -335,6 +335,14 @@ def short_verdict_text(of: "Approval", say: Translator) -> str:
     return f"{said} *" if is_partial_approval(of) and of.verdict in ("pass", "warn") else said
 
 
+def placeholder_sentence(of: "Approval", say: Translator) -> str:
+    """Return why a file with placeholders has no numbers of its lines."""
+    return say(
+        "Results by state: not evaluated; these keys hold placeholders: {names}",
+        names=", ".join(of.application.placeholders),
+    )
+
+
 def not_given_sentence(of: "Approval", say: Translator) -> str:
     """Return which kinds of state the profile expects and the file lacks; "" if none."""
     if not of.state_kinds_not_given:

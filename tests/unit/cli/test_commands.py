@@ -177,7 +177,7 @@ def test_missing_bracket_is_reported_as_not_evaluated(small):
     for options in (("--bracket",), ("--with", "bracket")):
         shown = run("check", *options, small).stdout
         shown = " ".join(shown.split())
-        assert "Not evaluated (input missing: bracket, with a shape): bracket stress" in shown
+        assert "Not evaluated (input missing: the shape of the bracket): bracket stress" in shown
 
 
 def test_html_report_contains_hash_of_input_file(small, tmp_path):

@@ -594,4 +594,4 @@ def test_bracket_check_without_bracket_names_missing_input(tmp_path):
     done = CliRunner().invoke(cli, ["check", str(tmp_path / "a.yaml"), "--bracket"])
     assert done.exit_code == 1
     assert "INCOMPLETE" in done.output
-    assert "bracket, with a shape" in " ".join(done.output.split())
+    assert "the shape of the bracket" in " ".join(done.output.split())
