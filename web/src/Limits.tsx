@@ -32,7 +32,7 @@ export function Limits({ known }: { known: AppState }) {
       <Select label={t("profile")} data-do="profile" value={of.named || "heavy-truck"} choose={(limits) => store.apply({ limits })} of={[...new Set([of.named, ...known.profiles])].filter(Boolean)} />
     )}>
       {job?.why && <p class="note fail" role="status">{job.why}</p>}
-      <DataTable label={t("Limits and their sources")} head={[t("limit"), [t("warns beyond")], [t("fails beyond")], t("in"), t("Source of the limit"), ""]}>
+      <DataTable label={t("Limits and their sources")} head={[t("limit"), [t("recommended")], [t("limit")], t("in"), t("Source of the limit"), ""]}>
         {of.limits.map((m, k) => (
           <>
             <tr key={k} class={m.signed ? "differs" : ""}>
@@ -48,8 +48,8 @@ export function Limits({ known }: { known: AppState }) {
               <tr key={`f${k}`}>
                 <td colSpan={6}>
                   <div class="fields">
-                    {field("normal", `${t("warns beyond")} [${m.unit}]`)}
-                    {field("maximum", `${t("fails beyond")} [${m.unit}]`)}
+                    {field("normal", `${t("recommended")} [${m.unit}]`)}
+                    {field("maximum", `${t("limit")} [${m.unit}]`)}
                     {field("reason", t("why"))}
                     {field("by", t("signed by"))}
                   </div>

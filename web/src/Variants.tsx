@@ -30,7 +30,7 @@ export function Variants({ known }: { known: AppState }) {
     return (
       <section class="card">
         <p class="note">{t("Keep a variant, change something: both are compared here.")}</p>
-        <p class="note">{t("For example: pin the line as it is, raise a centre bearing by 5 mm in the drawing, and come back.")}</p>
+        <p class="note">{t("For example: keep the line as a variant, raise a centre bearing by 5 mm in the drawing, and come back.")}</p>
         <KeepVariantButton known={known} />
       </section>
     );

@@ -44,6 +44,9 @@ from cardan.topics.design.phrases import (
 )
 from cardan.topics.design.sensitivity import CheckSensitivity
 
+SHORT_VERDICT_TEXTS = {**VERDICT_TEXTS, "warn": "with warnings"}
+"""Verdicts for a narrow column."""
+
 MAX_LINES = 32
 """Lines of the screen at 80 columns; the blocks below keep to it together."""
 
@@ -146,7 +149,7 @@ def _proposal_lines(
         (
             "",
             say("as installed"),
-            say(VERDICT_TEXTS[installed.verdict]),
+            say(SHORT_VERDICT_TEXTS[installed.verdict]),
             *_counts(installed),
             "-",
             "-",
@@ -157,7 +160,7 @@ def _proposal_lines(
         trucks = share_text(p.tolerance_yield.share, say) if p.tolerance_yield else "-"
         cost = say.compact_number(round(p.cost, 2))
         rows.append(
-            (str(k), moves, say(VERDICT_TEXTS[p.verdict]), *_counts(p.approval), trucks, cost)
+            (str(k), moves, say(SHORT_VERDICT_TEXTS[p.verdict]), *_counts(p.approval), trucks, cost)
         )
     for shown in range(len(rows), 1, -1):
         first, *lines = table_lines(head, rows[:shown], width, right=(3, 4, 5, 6))

@@ -176,7 +176,6 @@ UI_TEXTS: tuple[str, ...] = (
     "equivalent angle over the phase of shaft {n}",
     "every joint",
     "fail",
-    "fails beyond",
     "far beyond",
     "fatigue",
     "file",
@@ -252,8 +251,8 @@ UI_TEXTS: tuple[str, ...] = (
     "{formats} files cannot be read yet: pip install 'cardan[{extra}]', then start again",
     "The bracket cannot be solved yet: pip install 'cardan[bracket]', then start again",
     "put this example into the file",
-    "For example: pin the line as it is, raise a centre bearing by 5 mm in the drawing, and come "
-    "back.",
+    "For example: keep the line as a variant, raise a centre bearing by 5 mm in the drawing, and "
+    "come back.",
     "overrun",
     "overrun, reverse",
     "part",
@@ -333,7 +332,7 @@ UI_TEXTS: tuple[str, ...] = (
     "value",
     "von Mises, each case when it stresses most",
     "warn",
-    "warns beyond",
+    "recommended",
     "what changed since",
     "what may move",
     "excitation",

@@ -456,9 +456,9 @@ def test_fix_writes_file_that_checks_as_proposed(tmp_path):
 def test_fix_prints_correction_in_workshop_terms(tmp_path):
     text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
     result = run("fix", "--all", written(tmp_path, text + "adjust: {shim_deg: [-4, 4]}\n"))
-    assert "pinion nose down" in result.stdout
+    assert "pinion angle -" in result.stdout
     said = next(line for line in result.stdout.splitlines() if line.startswith("1. APPROVED, "))
-    down = float(result.stdout.split("pinion nose down ")[1].split(" deg")[0])
+    down = float(result.stdout.split("pinion angle -")[1].split("°")[0])
     changed = written(tmp_path, text.replace("7.5]", f"{7.5 - down}]"))
     margin = re.search(r"smallest margin that moving changes (\S+ %)", said)[1]
     assert f"smallest margin {margin}" in run("check", changed, "--all").stdout
@@ -848,9 +848,9 @@ def test_fix_explains_why_single_correction_is_not_proposed():
     """The van's shim answers its joint angle, and passes what another joint may accelerate by."""
     said = " ".join(run("fix", "--all", EXAMPLES / "van.yaml").stdout.split())
     assert said.startswith("Nothing that may be moved, within `adjust`")
-    assert "pinion nose up 1 deg gives 2.518, but then fail: Single-joint acceleration" in said
+    assert "pinion angle +1° (shim) gives 2.518, but then fail: Single-joint acceleration" in said
     told = " ".join(run("check", "--moves", EXAMPLES / "van.yaml").stdout.split())
-    assert "pinion nose up 1 deg gives 2.518, but then fail: Single-joint acceleration" in told
+    assert "pinion angle +1° (shim) gives 2.518, but then fail: Single-joint acceleration" in told
 
 
 @pytest.mark.slow

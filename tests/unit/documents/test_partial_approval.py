@@ -29,7 +29,7 @@ SHAFT = SLOPES.replace("{}", "{length_mm: 1200, tube: 100x3}")
 SPEED, STRENGTH = "critical_speed_ratio", "tube_shear_utilisation"
 HEADLINES = {
     "en": "angles approved; speed and strength not evaluated",
-    "pt": "ângulos aprovados; velocidade e resistência não avaliadas",
+    "pt": "ângulos aprovados; rotação e resistência não avaliadas",
     "it": "angoli conformi; velocità e resistenza non valutate",
 }
 
