@@ -293,9 +293,11 @@ def verdict_report_blocks(of: Approval, say: Translator, *, short: bool = False)
         yield BulletList(
             caption=say("What looks wrong in the file"), points=tuple((one, ()) for one in odd)
         )
-    if found := points_before_signing(of, say):
-        yield BulletList(caption=say("Open points"), points=tuple((one, ()) for one in found))
-    if found := note_sentences(of, say):
+    points = points_before_signing(of, say)
+    if points:
+        yield BulletList(caption=say("Open points"), points=tuple((one, ()) for one in points))
+    # A note that is an open point stands there.
+    if found := [n for n in note_sentences(of, say) if not any(one in n for one in points)]:
         yield Text(paragraphs=tuple(found))
 
 

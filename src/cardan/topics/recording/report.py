@@ -92,7 +92,7 @@ def _recorded(
         subtitle=say("Recording: damage, life and cause"),
         # Nothing asked is nothing approved.
         grade=verdict or "incomplete",
-        verdict=verdict_word(verdict, say) if verdict else say("No limit given"),
+        verdict=verdict_word(verdict, say) if verdict else say("no limit given").upper(),
         facts=(
             *(((say("Limits"), profile),) if profile else ()),
             *_stamp_facts(issue, more, say),
