@@ -19,7 +19,7 @@ export default function LineScene({ known, shown }: { known: AppState; shown: Sh
   return (
     <figure class="view scene3">
       <div class="chips" role="group" aria-label={t("Look from")}>
-        {([["three", t("aside")], ["side", t("the left")], ["top", t("above")], ["rear", t("the rear")]] as const).map(([key, name]) => (
+        {([["three", t("oblique view")], ["side", t("the left")], ["top", t("above")], ["rear", t("the rear")]] as const).map(([key, name]) => (
           <button key={key} onClick={() => stage.current?.look(points, VIEWS[key] as Point)}>{name}</button>
         ))}
       </div>

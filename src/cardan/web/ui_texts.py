@@ -139,7 +139,7 @@ UI_TEXTS: tuple[str, ...] = (
     "as shown",
     "as the others",
     "as the system",
-    "aside",
+    "oblique view",
     "evaluate",
     "bump",
     "calculating …",
