@@ -68,7 +68,7 @@ def test_api_check_equals_command_line_check(app, found):
     assert found.verdict == plain.verdict == "fail"
     assert found.to_dict() == contract.json_document(plain)
     said = str(found).splitlines()
-    assert said[0].startswith("Refuse collector 6x2, three shafts: FAIL (")
+    assert said[0].startswith("Refuse collector 6x2, three shafts: NOT APPROVED (")
     assert "\x1b" not in str(found)
     coloured = list(verdict_lines(plain))
     assert len(said) == len(coloured)
@@ -103,7 +103,7 @@ def shown(html: str) -> Tags:
 def test_notebook_shows_verdict_and_each_limit(found):
     tags = shown(found._repr_html_())
     said = " ".join(tags.said)
-    assert "FAIL" in said
+    assert "NOT APPROVED" in said
     assert {"table", "td", "svg"} <= tags.seen
     for text in (
         "Clearance",
@@ -179,7 +179,7 @@ def test_public_objects_have_a_short_repr(app, found):
     peaks = found.quantity("centre_bearing_peak")
     for shown, first in (
         (app, "Application('Refuse collector 6x2, three shafts', lines=1, states=7"),
-        (found, "Refuse collector 6x2, three shafts: FAIL ("),
+        (found, "Refuse collector 6x2, three shafts: NOT APPROVED ("),
         (peaks, "Centre bearing, peak force [N]"),
     ):
         lines = repr(shown).splitlines()

@@ -15,7 +15,7 @@ import { Suggestions } from "./Suggestions";
 import { hasUnsavedEdits } from "./history";
 import { Library, LibraryView } from "./Library";
 import { Limits } from "./Limits";
-import { partGrades } from "./gradeLookup";
+import { partGrades, verdictText } from "./gradeLookup";
 import { PartsTable } from "./Parts";
 import { Phasors } from "./Phasors";
 import { JointAngleTable, StatePicker } from "./StatePicker";
@@ -128,7 +128,7 @@ function what(known: AppState): ShownLine | null {
   const state = Math.min(asked.state ?? (pose?.line === index ? pose.state : null) ?? live.worst, live.states.length - 1);
   const free = (asked.travel_mm ?? asked.torque_Nm) !== undefined && pose?.at !== undefined && pose.line === index;
   const row = store.rows().find((r): r is Row => r.id === known.selected?.row);
-  const where = !free ? live.states[state]?.said : asked.state === undefined ? t("where the sliders have it") : row?.points?.[state]?.[known.selected?.part ?? 0];
+  const where = !free ? live.states[state]?.said : asked.state === undefined ? t("at the sliders") : row?.points?.[state]?.[known.selected?.part ?? 0];
   const laid = free ? pose.at?.laid : line.states[state];
   return laid ? { live, line, index, state, laid, free, where: where ?? "", marks: partGrades(store.rows(), line.name, state) } : null;
 }
@@ -180,7 +180,7 @@ function Notices({ known }: { known: AppState }) {
   const n = known.notice;
   const unread = (known.live ?? known.campaign) !== null && known.problems.length > 0;
   const said = n && (n.kind === "refused" ? n.why : {
-    restored: t("What was not saved last time is here again; undo goes back to the file."),
+    restored: t("Unsaved changes of last time are restored; undo returns to the file."),
     elsewhere: t("Another page has unsaved edits of this file: they are shown here too; undo goes back to the file."),
     reloaded: t("The file was changed on disk, and is shown as it is now."),
     beside: t("A file that this one names was changed on disk; the verdict is computed again."),
@@ -191,11 +191,11 @@ function Notices({ known }: { known: AppState }) {
       {n && (
         <p class={`notice ${n.kind === "conflict" ? "warn" : n.kind === "refused" ? "fail" : ""}`}>
           {said}
-          {"left" in n && n.left > 0 && ` ${t("What other pages had not saved stands among the variants.")}`}
+          {"left" in n && n.left > 0 && ` ${t("Unsaved changes of other pages are kept as variants.")}`}
           {n.kind === "conflict" ? (
             <>
-              <button onClick={() => store.settle(true)}>{t("take the file; undo keeps mine")}</button>
-              <button onClick={() => store.settle(false)}>{t("save mine over it")}</button>
+              <button onClick={() => store.settle(true)}>{t("load the file; undo restores mine")}</button>
+              <button onClick={() => store.settle(false)}>{t("overwrite with mine")}</button>
             </>
           ) : <button onClick={() => store.dismiss()}>{t("close")}</button>}
         </p>
@@ -216,7 +216,7 @@ function Strip({ known }: { known: AppState }) {
   const bad = store.rows().filter((r): r is Row => r.values !== undefined && worstRank(r) < -0.5).sort((a, b) => worstRank(a) - worstRank(b));
   return (
     <section class={`strip ${decided ? (verdict ?? "") : ""} ${settled ? "" : "open"}`} aria-label={t("Verdict")}>
-      <p class="verdict" role="status"><span aria-hidden="true">{verdict ? (decided ? SIGNS[verdict] : "…") : ""}</span> {verdict ? ((!unfinished && verdict === full?.verdict && full.headline) || t(verdict)) : "…"}</p>
+      <p class="verdict" role="status"><span aria-hidden="true">{verdict ? (decided ? SIGNS[verdict] : "…") : ""}</span> {verdict ? ((!unfinished && verdict === full?.verdict && full.headline) || verdictText(verdict)) : "…"}</p>
       <p class="counts">
         {full && !unfinished && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counted[g]}</span>)}
         {full && !unfinished && full.missed > 0 && <span>{t("{count} not evaluated", { count: full.missed })}</span>}

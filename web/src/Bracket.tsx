@@ -8,6 +8,7 @@ import { formatFixed, formatNumber, marginText } from "./format";
 import { toSceneAxes, surfaceMaterial, useScene3d, type Scene3d } from "./scene3d";
 import { store, type Job, type AppState } from "./store";
 import { t } from "./i18n";
+import { verdictText } from "./gradeLookup";
 import type { Point, Seated } from "./types";
 import { JobButton } from "./SpeedView";
 
@@ -19,7 +20,7 @@ export default function Bracket({ known }: { known: AppState }) {
   const of = job?.answer;
   return (
     <>
-      <Card id="bracket" title={t("The bracket")} head={<><JobButton job={job} name="bracket" word={t("solve it")} stale={job?.of !== store.about({})} ask={() => store.work("bracket")} />{of && <b class={of.verdict}>{t(of.verdict)}</b>}</>}>
+      <Card id="bracket" title={t("The bracket")} head={<><JobButton job={job} name="bracket" word={t("compute")} stale={job?.of !== store.about({})} ask={() => store.work("bracket")} />{of && <b class={of.verdict}>{verdictText(of.verdict)}</b>}</>}>
         {!of && known.missing.some((m) => m.extra === "bracket") && <p class="note warn">{t("The bracket cannot be solved yet: pip install 'cardan[bracket]', then start again")}</p>}
         {!of && <p class="note">{t("Finite elements under the loads of every state: some minutes. Its shape: bracket in the file.")}</p>}
         {!of && known.history && !/^bracket:/m.test(known.history.text) && <ExampleBracket known={known} text={known.history.text} />}
@@ -73,7 +74,7 @@ function Shape({ of }: { of: Seated }) {
     <Card id="stress" kind="" title={t("Stress where it peaks")} note={t("von Mises, each case when it stresses most")}>
       {of.variants.length > 1 && <div class="chips" role="group" aria-label={t("shape")}>{of.variants.map((o, k) => <button key={o.name} aria-pressed={k === v} onClick={() => setV(k)}>{o.name}</button>)}</div>}
       <div class="chips" role="group" aria-label={t("case")}>{variant.cases.map((o, k) => <button key={o.name} aria-pressed={o === shown} onClick={() => setC(k)}>{o.name}</button>)}</div>
-      {missing ? <p class="note">{t("This browser draws nothing in three dimensions.")}</p> : <div class="canvas marks" ref={box} />}
+      {missing ? <p class="note">{t("This browser has no 3-D graphics.")}</p> : <div class="canvas marks" ref={box} />}
       <p class="ends colours"><span>0</span><i aria-hidden="true" /><span data-top>{formatFixed(shown.top, 1)} MPa</span></p>
       <label class="slider">{t("deformation")}<output>{plenty === 0 ? t("none") : ""}</output><input type="range" min={0} max={1} step={0.01} value={plenty} onInput={(e) => give(Number(e.currentTarget.value))} /></label>
       <ol class="zones">

@@ -5,7 +5,7 @@ import { Card, Select } from "./Card";
 import type { ShownLine } from "./Drawing";
 import { CellMap } from "./CellMap";
 import { formatFixed, formatNumber, formatPercent, withDecimalSign } from "./format";
-import { VERDICTS } from "./gradeLookup";
+import { VERDICTS, verdictText } from "./gradeLookup";
 import { JobButton, cellEdges } from "./SpeedView";
 import { store, type Job, type AppState } from "./store";
 import { t } from "./i18n";
@@ -31,7 +31,7 @@ function Fix({ known, shown }: Both) {
   const found = sofar ?? job?.answer?.proposals;
   const stale = job?.of !== store.about(args); // what moves the file as it was would be on top of what moved it since
   return (
-    <Card id="fix" title={t("Corrections")} head={<JobButton job={job} name="fix" word={t("look for corrections")} stale={stale} ask={() => store.work("fix", args)} />}>
+    <Card id="fix" title={t("Corrections")} head={<JobButton job={job} name="fix" word={t("optimise")} stale={stale} ask={() => store.work("fix", args)} />}>
       <fieldset>
         <legend class="note">{t("what may move")}</legend>
         {shown.line.movable.filter((m) => m.free).map((m) => (
@@ -42,14 +42,14 @@ function Fix({ known, shown }: Both) {
         ))}
       </fieldset>
       {sofar && <p class="note" role="status">{t("the best so far")}</p>}
-      {found?.length === 0 && <p class="note">{t("Nothing that may move leaves the line better than it stands.")}</p>}
+      {found?.length === 0 && <p class="note">{t("No move within the ranges improves the line.")}</p>}
       {found && found.length > 0 && !sofar && <><Front of={found} stale={stale} /><p class="note">{job?.answer?.scatter}</p></>}
       <ol class="proposals">
         {found?.map((p, k) => (
           <li key={k} class={p.verdict}>
-            <p><b class={p.verdict}>{t(p.verdict)}</b> {p.moves.join("; ")}</p>
+            <p><b class={p.verdict}>{verdictText(p.verdict)}</b> {p.moves.join("; ")}</p>
             <p class="note">{p.margins}{p.survives.map((s) => <small key={s}>{s}</small>)}{p.left.map((s) => <small key={s}>{s}</small>)}</p>
-            <button disabled={stale || Object.keys(p.edits).length === 0} onClick={() => { store.pin(); store.apply(p.edits); }}>{t("apply it, pin what is")}</button>
+            <button disabled={stale || Object.keys(p.edits).length === 0} onClick={() => { store.pin(); store.apply(p.edits); }}>{t("apply, and keep the present as variant")}</button>
           </li>
         ))}
       </ol>
@@ -128,18 +128,18 @@ function Map({ known, shown }: Both) {
             strength={(row, column) => 0.25 + 0.7 * Math.min(1, Math.abs(of.margins[row]?.[column] ?? 1))}
             at={[r, c]}
             choose={(row, column) => setAt([row, column])}
-            said={`${of.x.said} ${formatNumber(cell.x)} ${unit(of.x.unit)}, ${of.y.said} ${formatNumber(cell.y)} ${unit(of.y.unit)}: ${t(cell.verdict)}, ${cell.name ?? ""}${cell.margin === null || cell.margin === undefined ? "" : ` ${formatPercent(cell.margin)} %`}`}
+            said={`${of.x.said} ${formatNumber(cell.x)} ${unit(of.x.unit)}, ${of.y.said} ${formatNumber(cell.y)} ${unit(of.y.unit)}: ${verdictText(cell.verdict)}, ${cell.name ?? ""}${cell.margin === null || cell.margin === undefined ? "" : ` ${formatPercent(cell.margin)} %`}`}
             height={330}
             theme={known.theme}
           />
           <p class="note">↑ {of.y.said} [{unit(of.y.unit)}]: {formatNumber(of.y.values[0])} … {formatNumber(of.y.values.at(-1))}</p>
           <p class="ends note"><span>{formatNumber(of.x.values[0])}</span><span>{of.x.said} [{unit(of.x.unit)}] →</span><span>{formatNumber(of.x.values.at(-1))}</span></p>
-          <button data-do="move" onClick={() => store.work("moved", { line: shown.index, moves: [{ id: of.x?.id ?? "", amount: cell.x }, { id: of.y?.id ?? "", amount: cell.y }] })}>{t("move it there")}</button>
+          <button data-do="move" onClick={() => store.work("moved", { line: shown.index, moves: [{ id: of.x?.id ?? "", amount: cell.x }, { id: of.y?.id ?? "", amount: cell.y }] })}>{t("apply this move")}</button>
           {!of.sought && <p class="note">{t("Without bearing forces sought over all speeds.")}</p>}
           <Again of={of.commands} />
         </>
       )}
-      {of && !of.x && <p class="note">{t("There are no two things to move.")}</p>}
+      {of && !of.x && <p class="note">{t("Fewer than two moves are permitted: no map.")}</p>}
     </Card>
   );
 }
@@ -165,8 +165,8 @@ function Scatter({ known, shown }: Both) {
       <p class="note">{t("One standard deviation each, about what the file says; assumed.")} {t("Without bearing forces sought over all speeds.")}</p>
       {of?.yield && (
         <>
-          <p class="figure"><b>{formatFixed(100 * of.yield[0], 2)} %</b> {t("may be built ({low} to {high} %, of {count} tried)", { low: formatFixed(100 * of.yield[1], 2), high: formatFixed(100 * of.yield[2], 2), count: of.count })}</p>
-          <p class="chips">{VERDICTS.map((v) => { const share = of.shares[v]?.[0] ?? 0; return share > 0 && <span key={v}><b class={v}>{formatFixed(100 * share, 2)} %</b> {t(v)}</span>; })}</p>
+          <p class="figure"><b>{formatFixed(100 * of.yield[0], 2)} %</b> {t("yield ({low} to {high} %, {count} variants)", { low: formatFixed(100 * of.yield[1], 2), high: formatFixed(100 * of.yield[2], 2), count: of.count })}</p>
+          <p class="chips">{VERDICTS.map((v) => { const share = of.shares[v]?.[0] ?? 0; return share > 0 && <span key={v}><b class={v}>{formatFixed(100 * share, 2)} %</b> {verdictText(v)}</span>; })}</p>
           <svg class="bins" viewBox="0 0 240 62" role="img" aria-label={t("cases by their smallest margin")}>
             {cases.map((row, g) => row.map((v, k) => {
               const below = cases.slice(0, g).reduce((sum, r) => sum + (r[k] ?? 0), 0);

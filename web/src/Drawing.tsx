@@ -54,7 +54,7 @@ export function Drawing({ known, shown, view }: { known: AppState; shown: ShownL
     <figure class="view" ref={box}>
       <figcaption>
         <b>{title}</b>
-        <span>{p.times === 1 ? t("to scale") : t("across {times} times as large", { times: p.times })}</span>
+        <span>{p.times === 1 ? t("to scale") : t("lateral scale {times} : 1", { times: p.times })}</span>
       </figcaption>
       <svg class="drawing" width={p.width} height={p.height} viewBox={`0 0 ${p.width} ${p.height}`} role="group" aria-label={title}>
         <g class="states" aria-hidden="true">{others}</g>

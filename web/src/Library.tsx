@@ -38,7 +38,7 @@ export function Library({ known }: { known: AppState }) {
           {shown.map((r) => (
             <li key={r.file}>
               <input type="checkbox" disabled={!r.verdict} aria-label={t("compare {file}", { file: showHiddenMarks(r.name) })} checked={ticked.includes(r.file)} onChange={() => tick(ticked.includes(r.file) ? ticked.filter((f) => f !== r.file) : [...ticked, r.file])} />
-              <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? r.headline || t(r.verdict) : r.title ? t("campaign") : t("unreadable")}</b>
+              <b class={r.verdict ?? (r.title ? "" : "fail")}>{r.verdict ? r.headline : r.title ? t("campaign") : t("unreadable")}</b>
               <span><button class="link" onClick={() => { store.open(r.file); store.show("line"); }}>{showHiddenMarks(r.name)}</button> {r.title}{r.draft && <i> · {t("not saved")}</i>}</span>
               <span class="note">{r.why || (r.worst && `${r.worst.name}, ${r.worst.where} ${marginText(r.worst.margin)}`)}</span>
             </li>
@@ -66,7 +66,7 @@ function Script({ known }: { known: AppState }) {
     <Card id="script" title={t("What was done, as a script")}>
       <pre tabindex={0} data-field="script">{of.script}</pre>
       <pre tabindex={0}>{of.commands.join("\n")}</pre>
-      {of.other.length > 0 && <p class="note">{t("Changed too, and no number: save the file for it")}: {of.other.join(", ")}</p>}
+      {of.other.length > 0 && <p class="note">{t("Changed too, not a number: save the file to see it")}: {of.other.join(", ")}</p>}
     </Card>
   );
 }
@@ -96,14 +96,14 @@ function Reports({ known }: { known: AppState }) {
           <label>{t("Language")}<Select value={lang} choose={speak} of={known.languages} /></label>
           <label>{t("as")}<Select data-field="kind" value={kind} choose={ask} of={known.campaign ? ["html", "pdf", "json"] : ["html", "pdf", "xlsx", "json"]} /></label>
         </div>
-        <JobButton job={job} name="report" word={t("make and take it")} stale ask={() => store.work("report", { kind, lang })} />
+        <JobButton job={job} name="report" word={t("create and download")} stale ask={() => store.work("report", { kind, lang })} />
       </Card><Script known={known} /></div>
       <div class="right"><Card id="revisions" title={t("Revisions")}>
         <div class="fields">
           <label>{t("signed by")}<input data-field="by" maxLength={100} value={by} onInput={(e) => sign(e.currentTarget.value)} /></label>
           <label>{t("why")}<input data-field="note" maxLength={300} value={note} onInput={(e) => say(e.currentTarget.value)} /></label>
         </div>
-        <button data-do="freeze" disabled={!by.trim() || known.freezing} onClick={() => store.freeze(by, note)}>{t("freeze what is shown")}</button>
+        <button data-do="freeze" disabled={!by.trim() || known.freezing} onClick={() => store.freeze(by, note)}>{t("release revision")}</button>
         <ol reversed class="proposals">
           {known.revisions.map((r) => (
             <li key={r.name} value={Number(r.name)}>{r.said} <button class="plain" onClick={() => { store.beside(`${r.name}: ${r.said}`.slice(0, 100), r.text); store.show("variants"); }}>{t("what changed since")}</button></li>

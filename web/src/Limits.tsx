@@ -32,7 +32,7 @@ export function Limits({ known }: { known: AppState }) {
       <Select label={t("profile")} data-do="profile" value={of.named || "heavy-truck"} choose={(limits) => store.apply({ limits })} of={[...new Set([of.named, ...known.profiles])].filter(Boolean)} />
     )}>
       {job?.why && <p class="note fail" role="status">{job.why}</p>}
-      <DataTable label={t("Limits and their sources")} head={[t("limit"), [t("warns past")], [t("fails past")], t("in"), t("Source of the limit"), ""]}>
+      <DataTable label={t("Limits and their sources")} head={[t("limit"), [t("recommended")], [t("limit")], t("in"), t("Source of the limit"), ""]}>
         {of.limits.map((m, k) => (
           <>
             <tr key={k} class={m.signed ? "differs" : ""}>
@@ -42,14 +42,14 @@ export function Limits({ known }: { known: AppState }) {
                 : [m.normal, m.maximum].map((b, i) => <td key={i} class="n">{b === null ? "–" : `${m.sense === "<=" ? "≤" : "≥"} ${formatNumber(b)} ${m.unit}`}</td>)}
               <td>{m.states.join(", ")}</td>
               <td>{m.signed && <b class="warn">{t("deviation")} </b>}{m.source}</td>
-              <td>{!m.band && <button aria-expanded={at === k} onClick={() => { set({ ...EMPTY, by: form.by, normal: m.normal === null ? "" : String(m.normal), maximum: m.maximum === null ? "" : String(m.maximum) }); open(at === k ? null : k); }}>{t("deviate")}</button>}</td>
+              <td>{!m.band && <button aria-expanded={at === k} onClick={() => { set({ ...EMPTY, by: form.by, normal: m.normal === null ? "" : String(m.normal), maximum: m.maximum === null ? "" : String(m.maximum) }); open(at === k ? null : k); }}>{t("record a deviation")}</button>}</td>
             </tr>
             {at === k && (
               <tr key={`f${k}`}>
                 <td colSpan={6}>
                   <div class="fields">
-                    {field("normal", `${t("warns past")} [${m.unit}]`)}
-                    {field("maximum", `${t("fails past")} [${m.unit}]`)}
+                    {field("normal", `${t("recommended")} [${m.unit}]`)}
+                    {field("maximum", `${t("limit")} [${m.unit}]`)}
                     {field("reason", t("why"))}
                     {field("by", t("signed by"))}
                   </div>

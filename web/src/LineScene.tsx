@@ -19,11 +19,11 @@ export default function LineScene({ known, shown }: { known: AppState; shown: Sh
   return (
     <figure class="view scene3">
       <div class="chips" role="group" aria-label={t("Look from")}>
-        {([["three", t("aside")], ["side", t("the left")], ["top", t("above")], ["rear", t("the rear")]] as const).map(([key, name]) => (
+        {([["three", t("oblique view")], ["side", t("the left")], ["top", t("above")], ["rear", t("the rear")]] as const).map(([key, name]) => (
           <button key={key} onClick={() => stage.current?.look(points, VIEWS[key] as Point)}>{name}</button>
         ))}
       </div>
-      {missing ? <p class="note">{t("This browser draws nothing in three dimensions.")}</p> : <div class="canvas" ref={box} />}
+      {missing ? <p class="note">{t("This browser has no 3-D graphics.")}</p> : <div class="canvas" ref={box} />}
     </figure>
   );
 }

@@ -133,8 +133,7 @@ function Others({ full }: { full: Full | null }) {
           <ul class="others">
             {bad.map((o, k) => (
               <li key={k} class={o.grade}>
-                <b>{t(o.grade)}</b> {o.name}, {o.where}: {formatNumber(o.value)} {o.sense === "<=" ? "≤" : o.sense === ">=" ? "≥" : t("outside")}{" "}
-                {formatNumber(o.bound)} {o.unit}
+                <b>{t(o.grade)}</b> {o.name}, {o.where}: {formatNumber(o.value)} ({o.limit})
               </li>
             ))}
             {rest > 0 && <li>{t("{count} more that pass", { count: rest })}</li>}

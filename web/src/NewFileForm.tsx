@@ -66,7 +66,7 @@ export function NewFileForm({ known }: { known: AppState }) {
           <label>{t("title")}<input value={form.title} data-field="title" maxLength={300} onInput={(e) => change({ title: e.currentTarget.value.slice(0, 300) })} /></label>
           <label>{t("top speed [rpm]")}{field("speed", t("top speed [rpm]"), form.speed, (v) => change({ speed: v }))}</label>
           <label>{t("largest torque [N·m]")}{field("torque", t("largest torque [N·m]"), form.torque, (v) => change({ torque: v }))}</label>
-          <label>{t("joints")}<Select value={form.joint} data-field="joint" choose={(joint) => change({ joint })} of={["", [OWN, t("own")], ...known.catalogue.joints.map((o) => o.name)]} /></label>
+          <label>{t("joints")}<Select value={form.joint} data-field="joint" choose={(joint) => change({ joint })} of={["", [OWN, t("own joint")], ...known.catalogue.joints.map((o) => o.name)]} /></label>
           <label>{t("shafts")}<Select value={String(n)} data-field="count" choose={(k) => count(Number(k))} of={["1", "2", "3", "4", "5", "6"]} /></label>
           <label>{t("lengths in")}<Select value={form.unit} choose={(unit) => change({ unit })} of={["mm", "in"]} /></label>
           <label>{t("limits")}<Select value={form.limits} data-field="limits" choose={(limits) => change({ limits })} of={known.profiles} /></label>
@@ -94,7 +94,7 @@ export function NewFileForm({ known }: { known: AppState }) {
                 <td>{shaft && k < n && put("bearing", t("bearing ahead of the rear joint"))}</td>
                 <td>{shaft && put("phase", t("phase [deg]"))}</td>
                 <td>{shaft && (
-                  <Select label={`${name}: ${t("tube")}`} value={shaft.tube ?? ""} choose={(tube) => cell("shafts", k - 1, "tube", tube)} of={["", [OWN, t("own")], ...known.catalogue.tubes.map((o) => o.name)]} />
+                  <Select label={`${name}: ${t("tube")}`} value={shaft.tube ?? ""} choose={(tube) => cell("shafts", k - 1, "tube", tube)} of={["", [OWN, t("own tube")], ...known.catalogue.tubes.map((o) => o.name)]} />
                 )}{shaft?.tube === OWN && <span class="own">{put("outer", `${t("outer diameter")} [${form.unit}]`, "Ø")} × {put("wall", `${t("wall")} [${form.unit}]`, t("wall"))}</span>}</td>
                 {n > 1 && (["vertical", "lateral"] as const).map((way) => <td key={way}>{shaft && k < n && put(way, t(way === "vertical" ? "bearing stiffness, vertical [N/mm]" : "bearing stiffness, lateral [N/mm]"))}</td>)}
               </tr>
@@ -102,7 +102,7 @@ export function NewFileForm({ known }: { known: AppState }) {
           })}
         </DataTable>
       </Card></div>
-      <div class="right"><Card id="comes" kind={`guided ${(current && of?.verdict) || ""}`} title={t("What it comes to")} head={of && (current ? <b class={of.verdict} role="status">{of.headline || t(of.verdict)}</b> : <span class="pending" role="status">{job?.why || t("calculating …")}</span>)}>
+      <div class="right"><Card id="comes" kind={`guided ${(current && of?.verdict) || ""}`} title={t("Result")} head={of && (current ? <b class={of.verdict} role="status">{of.headline}</b> : <span class="pending" role="status">{job?.why || t("calculating …")}</span>)}>
         {!of && !long && <ul class="problems">{typed().map((p) => <li key={p.key + p.message} class="fail">{p.message} <i>{p.value}</i></li>)}</ul>}
         {!of && !long && typed().length === 0 && <p class="note">{t("Fill in the slopes and lengths: the verdict follows.")} {missing() && `${t("Still missing:")} ${missing()}`}</p>}
         {of && (
@@ -115,7 +115,7 @@ export function NewFileForm({ known }: { known: AppState }) {
             </ul>
             {of.after && (
               <>
-                <p><b>{t("wheelbase after")}</b> {form.wheelbase_to} {form.unit}: <b class={of.after.verdict}>{of.after.headline || t(of.after.verdict)}</b></p>
+                <p><b>{t("wheelbase after")}</b> {form.wheelbase_to} {form.unit}: <b class={of.after.verdict}>{of.after.headline}</b></p>
                 <ul class="others">{of.after.checks.map((c, k) => <CheckLine key={k} of={c} />)}</ul>
               </>
             )}
@@ -128,7 +128,7 @@ export function NewFileForm({ known }: { known: AppState }) {
 }
 
 const CheckLine = ({ of: c }: { of: Guided["checks"][number] }) => (
-  <li class={c.grade}><b>{t(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} {c.sense === "<=" ? "≤" : "≥"} {formatNumber(c.bound)} {c.unit} ({marginText(c.margin)})</li>
+  <li class={c.grade}><b>{t(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} ({c.limit}), {marginText(c.margin)}</li>
 );
 
 /** Write the file of a form; with two wheelbases one of each, and the later one is opened. */
@@ -161,7 +161,7 @@ export function PastePointsForm({ known, line }: { known: AppState; line: number
       <summary>{t("Paste the joints' points from a spreadsheet")}</summary>
       <PointsTableField form={form} change={(part) => set({ ...form, ...part })} invalid={job?.why !== undefined && job.why !== ""} />
       <Select label={t("lengths in")} value={form.unit} choose={(unit) => set({ ...form, unit })} of={["mm", "in"]} />{" "}
-      <button disabled={form.points.trim() === "" || form.points.length > MOST} onClick={() => store.work("pasted", { ...form, line })}>{t("put them in")}</button>
+      <button disabled={form.points.trim() === "" || form.points.length > MOST} onClick={() => store.work("pasted", { ...form, line })}>{t("insert")}</button>
       {job?.why && <p class="note fail">{job.why}</p>}
     </details>
   );

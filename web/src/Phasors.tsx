@@ -17,7 +17,7 @@ export function Phasors({ known, shown }: { known: AppState; shown: ShownLine })
   const far = Math.max(0.05, ...ends.map(([x, y]) => Math.hypot(x, y)));
   const reach = 1.18 * Math.max(far, ...rings.map((r) => r.radius ?? 0).filter((r) => r < 3 * far));
   const s = (v: number): number => SIZE / 2 + (v / reach) * (SIZE / 2 - 8);
-  const label = t("How the joints add up: equivalent angle {angle} deg", { angle: formatFixed(sum, 3) });
+  const label = t("Sum of the joints: equivalent angle {angle} deg", { angle: formatFixed(sum, 3) });
   return (
     <Card id="phasors" title={t("Sum of the joints")} note={t("squared angles, deg²")}>
       <svg viewBox={`0 0 ${SIZE} ${SIZE}`} role="img" aria-label={label}>

@@ -98,7 +98,7 @@ function Asked({ of, known }: { of: Heard; known: AppState }) {
       <div class="left">
         <ChannelList of={of} between={[first, last]} rules={rules} used={used} decide={(of, rule) => setRules({ ...rules, [of]: rule })}>
           {(c) => (
-            <Select label={t("what {channel} is", { channel: c.name })} value={roles[c.name] ?? ""} choose={(role) => become(c.name, role as Channel["role"])} of={Object.entries(roleNames())} />
+            <Select label={t("type of {channel}", { channel: c.name })} value={roles[c.name] ?? ""} choose={(role) => become(c.name, role as Channel["role"])} of={Object.entries(roleNames())} />
           )}
         </ChannelList>
       </div>
@@ -192,7 +192,7 @@ export function RecordingResult({ of, known, open }: { of: Lived; known: AppStat
             said={`${t("order {order}", { order: formatNumber(middle(map.order, c)) })}, ${formatNumber(middle(map.rpm, r))} rpm: ${formatNumber(map.MPa[r]?.[c])} MPa`}
           />
           <p class="ends note"><span>0</span><span>{t("order of the shaft")} →, ↑ {formatNumber(map.rpm[0])} … {formatNumber(map.rpm.at(-1))} rpm</span><span>{formatNumber(map.order.at(-1))}</span></p>
-          <p class="note">{t("What turns with the shaft stands upright, a mode leans; the darker, by powers of ten.")}</p>
+          <p class="note">{t("Shaft orders are vertical, natural modes are inclined; darkness in powers of ten.")}</p>
         </Card>
       )}
       {of.chapters.map((ch, k) => <details key={ch.title} class="card more" open={k === 0 || open === k}><summary>{ch.title}</summary><ReportBlocks of={ch.blocks} /></details>)}

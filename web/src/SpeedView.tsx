@@ -78,7 +78,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: AppState; shown: Show
       <div class="chips" role="group" aria-label={t("Force")}>
         {of.bearings.map((o, i) => <button key={o.said} aria-pressed={o === b} onClick={() => { setBearing(i); setAt(null); }}>{o.said}</button>)}
         <span class="apart" />
-        <button aria-pressed={force === "dynamic"} onClick={() => { setForce("dynamic"); setAt(null); }}>{t("what shakes it")}</button>
+        <button aria-pressed={force === "dynamic"} onClick={() => { setForce("dynamic"); setAt(null); }}>{t("excitation")}</button>
         <button aria-pressed={force === "peak"} onClick={() => { setForce("peak"); setAt(null); }}>{t("largest force")}</button>
       </div>
       <div class="waterfall">

@@ -24,7 +24,7 @@ export function StatePicker({ known, shown }: { known: AppState; shown: ShownLin
   const ways = { drive: t("drive"), coast: t("overrun"), reverse: t("reverse"), brake: t("braking") };
   const slide = (travel_mm: number, torque_Nm: number, brakes = braked): void => store.pose({ line: index, travel_mm, torque_Nm, ...(brakes ? { way: "brake" } : {}) });
   return (
-    <Card id="poser" title={t("State")} head={<>{free && known.asked.state === undefined && <span class="note">{t("where the sliders have it")}</span>}{pose?.stuck && <span class="note fail">{pose.stuck}</span>}</>}>
+    <Card id="poser" title={t("State")} head={<>{free && known.asked.state === undefined && <span class="note">{t("at the sliders")}</span>}{pose?.stuck && <span class="note fail">{pose.stuck}</span>}</>}>
       {live.lines.length > 1 && (
         <div class="chips" role="group" aria-label={t("Line")}>
           {live.lines.map((l, k) => (<button key={l.name} aria-pressed={k === index} onClick={() => store.pose({ line: k })}>{l.name}</button>))}

@@ -11,12 +11,12 @@ export function Suggestions({ known }: { known: AppState }) {
   const { helps, helping, full } = known;
   if (!full) return null;
   return (
-    <Card id="helps" title={t("What would help")} note={t("each move alone; a click makes it")} head={<button class="plain" disabled={helping || !known.settled} onClick={() => store.help()}>{helping ? t("calculating …") : t("evaluate")}</button>}>
+    <Card id="helps" title={t("What would help")} note={t("each move alone; click to apply")} head={<button class="plain" disabled={helping || !known.settled} onClick={() => store.help()}>{helping ? t("calculating …") : t("evaluate")}</button>}>
       {helps?.length === 0 && <p class="note">{t("Everything passes.")}</p>}
       {helps?.map((h, k) => (
         <div key={k} class="help">
-          <p class={h.grade}><b>{h.name}</b> {h.where}: {formatNumber(h.value)} {h.sense === ">=" ? "≥" : "≤"} {formatNumber(h.bound)} {h.unit}</p>
-          {h.bars.filter((b) => b.gain > 0.001).length === 0 && <p class="note">{t("nothing that can be moved alone")}</p>}
+          <p class={h.grade}><b>{h.name}</b> {h.where}: {formatNumber(h.value)} ({h.limit})</p>
+          {h.bars.filter((b) => b.gain > 0.001).length === 0 && <p class="note">{t("no single correction")}</p>}
           <ul>
             {h.bars.filter((b) => b.gain > 0.001).slice(0, SHOWN).map((b) => (
               <li key={b.said}>

@@ -11,7 +11,7 @@ import type { Compared } from "./types";
 export function KeepVariantButton({ known }: { known: AppState }) {
   return (
     <>
-      <button data-do="pin" onClick={() => store.pin()}>{t("Pin this variant")}</button>
+      <button data-do="pin" onClick={() => store.pin()}>{t("Keep as variant")}</button>
       {known.live && known.variants.length > 0 && (
         <Select label={t("Drawn behind")} data-do="behind" value={String(known.behind ?? "")} choose={(k) => store.lay(k === "" ? null : Number(k))} of={[["", t("nothing behind")], ...known.variants.map((v, k) => [String(k), v.name] as const)]} />
       )}
@@ -29,8 +29,8 @@ export function Variants({ known }: { known: AppState }) {
   if (!known.variants.length) {
     return (
       <section class="card">
-        <p class="note">{t("Pin a variant, change something, and both stand side by side here.")}</p>
-        <p class="note">{t("For example: pin the line as it is, raise a centre bearing by 5 mm in the drawing, and come back.")}</p>
+        <p class="note">{t("Keep a variant, change something: both are compared here.")}</p>
+        <p class="note">{t("For example: keep the line as a variant, raise a centre bearing by 5 mm in the drawing, and come back.")}</p>
         <KeepVariantButton known={known} />
       </section>
     );
@@ -44,8 +44,8 @@ export function Variants({ known }: { known: AppState }) {
         head={names.map((name, k) => k === 0 ? name : (
           <>
             <input aria-label={t("name of variant {n}", { n: k })} value={name} maxLength={100} onChange={(e) => store.rename(k - 1, e.currentTarget.value)} />
-            <button class="plain" data-do="take" onClick={() => store.type(known.variants[k - 1]?.text ?? "", false)}>{t("take it")}</button>
-            <button class="plain" aria-label={t("drop variant {n}", { n: k })} onClick={() => store.unpin(k - 1)}>✕</button>
+            <button class="plain" data-do="take" onClick={() => store.type(known.variants[k - 1]?.text ?? "", false)}>{t("download")}</button>
+            <button class="plain" aria-label={t("delete variant {n}", { n: k })} onClick={() => store.unpin(k - 1)}>✕</button>
           </>
         ))}
       />
@@ -59,7 +59,7 @@ export function VariantComparison({ of, head }: { of: Compared | null; head: Com
     <DataTable label={t("Variants side by side")} head={["", ...head]}>
       {of && (
         <>
-          {of.variants[0]?.verdict && <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict ?? ""}>{v.headline || t(v.verdict ?? "")}</b> <small>{v.counted.fail}, {v.counted.warn}</small></td>)}</tr>}
+          {of.variants[0]?.verdict && <tr><th scope="row">{t("Verdict")}</th>{of.variants.map((v, k) => <td key={k}><b class={v.verdict ?? ""}>{v.headline}</b> <small>{v.counted.fail}, {v.counted.warn}</small></td>)}</tr>}
           {of.differences.map((d) => <tr key={d.name} class="differs"><th scope="row">{d.name}</th>{d.values.map((v, k) => <td key={k}>{v}</td>)}</tr>)}
           {of.effects.map((e) => <tr key={e.name}><th scope="row">{e.name}</th>{e.values.map((v, k) => <td key={k} class={e.grades[k] ?? ""}>{v}</td>)}</tr>)}
         </>

@@ -1,9 +1,15 @@
 // What of a drawing does not pass: looked up in the limits, nothing decided here.
 
+import { t } from "./i18n";
 import type { Grade, Maybe, Row, Verdict } from "./types";
 
 export const GRADES: Grade[] = ["pass", "warn", "fail"];
 export const VERDICTS: Verdict[] = ["pass", "warn", "incomplete", "fail"];
+
+/** A verdict as every other medium words it; the grade of a single check keeps its own word. */
+export function verdictText(verdict: Verdict): string {
+  return { pass: t("approved"), warn: t("approved with warnings"), incomplete: t("incomplete"), fail: t("not approved") }[verdict];
+}
 
 export type PartGrades = Record<string, Grade | undefined>;
 

@@ -211,7 +211,7 @@ export class Store {
       case "refused":
         if (m.what === "keep") {
           // Told once: who has read it need not close it after each letter.
-          if (!this.unkept && this.known.notice?.kind !== "conflict") this.set({ notice: { kind: "refused", why: t("What is not saved is on this page alone, and cannot be kept: {why}", { why: faulty(m.why) }) } });
+          if (!this.unkept && this.known.notice?.kind !== "conflict") this.set({ notice: { kind: "refused", why: t("Unsaved changes are in this page only and cannot be kept: {why}", { why: faulty(m.why) }) } });
           [this.unkept, this.safe] = [true, null];
           break;
         }
@@ -319,7 +319,7 @@ export class Store {
 
   beside(name: string, text: string): void {
     const { variants } = this.known;
-    if (variants.length >= VARIANTS) return this.set({ notice: { kind: "refused", why: t("up to {count} variants are kept: drop one first", { count: VARIANTS }) } });
+    if (variants.length >= VARIANTS) return this.set({ notice: { kind: "refused", why: t("up to {count} variants are kept: delete one first", { count: VARIANTS }) } });
     this.keepVariants([...variants, { name, text }]);
     this.lay(variants.length);
   }

@@ -56,7 +56,39 @@ def layout_changes(of: InstalledLine, layout: Layout, text: YamlEditor) -> FileC
     DesignError
         If the text cannot say it: joint angles begin at a gearbox that is level.
     """
-    at, was, said = yaml_address_of_line(of, text), of.layout, geometry_input_style(of, text)
+    at = yaml_address_of_line(of, text)
+    return _geometry_changes(at, geometry_input_style(of, text), of.layout, layout, text)
+
+
+def state_layout_changes(
+    state: str, of: InstalledLine, was: Layout, layout: Layout, text: YamlEditor
+) -> FileChanges:
+    """Return what changes in a text so that a line runs as a layout says in a state of its own.
+
+    Nothing where the state leaves the line as it is in the reference.
+    """
+    names = (f"states[{k}]" for k in range(1, len(text.addresses) + 1))
+    at = next((a for a in names if text.scalar_text(f"{a}.name") == state), "")
+    at = next((a for a in (f"{at}.drivelines.{of.line.name}", at) if a in text), "")
+    for said, key in (
+        ("slopes", "slopes"),
+        ("joint_angles", "joint_angles"),
+        ("points", f"points_{_unit(f'{at}.points', text)}"),
+    ):
+        if f"{at}.{key}" in text:
+            return _geometry_changes(at, said, was, layout, text, inherits=True)
+    return {}
+
+
+def _unit(stem: str, text: YamlEditor) -> str:
+    found = _list(stem, text)
+    return found[1] if found else ""
+
+
+def _geometry_changes(
+    at: str, said: str, was: Layout, layout: Layout, text: YamlEditor, *, inherits: bool = False
+) -> FileChanges:
+    """Return what changes below an address; a state `inherits` the ends that it does not give."""
     changes: FileChanges = {}
     if points := _list(f"{at}.points", text):
         key, unit = points
@@ -67,6 +99,8 @@ def layout_changes(of: InstalledLine, layout: Layout, text: YamlEditor) -> FileC
             if now != before:
                 changes[f"{key}[{k + 1}][{c + 1}]"] = now
         for name, end in (("gearbox_slope", 0), ("pinion_slope", -1)):
+            if inherits and f"{at}.{name}" not in text:
+                continue
             changes |= _slopes(f"{at}.{name}", was, layout, end, text)
     elif said == "slopes":
         for view in ("side", "top"):
@@ -74,14 +108,18 @@ def layout_changes(of: InstalledLine, layout: Layout, text: YamlEditor) -> FileC
                 f"{at}.slopes.{view}", getattr(was, view), getattr(layout, view), text
             )
     else:
-        changes |= _slopes(f"{at}.gearbox_slope", was, layout, 0, text)
+        if not inherits or f"{at}.gearbox_slope" in text:
+            changes |= _slopes(f"{at}.gearbox_slope", was, layout, 0, text)
         for view in ("side", "top"):
             before, after = (np.diff(getattr(o, view)) for o in (was, layout))
             changes |= _listed(f"{at}.joint_angles.{view}", before, after, text)
     for k in np.flatnonzero(
         np.abs(layout.lengths - was.lengths) > 0.5 * ROUNDING_STEP_SI_BY_QUANTITY["length"]
     ):
-        if length := _list(f"{at}.shafts[{k + 1}].length", text):
+        length = _list(f"{at}.shafts[{k + 1}].length", text)
+        if inherits and k == len(layout.lengths) - 1:
+            length = _list(f"{at}.last_length", text)
+        if length:
             key, unit = length
             changes[key] = round_in_unit(float(layout.lengths[k]), unit, "length")
     return changes
@@ -118,6 +156,62 @@ def bearing_changes(of: InstalledLine, line: Line, text: YamlEditor) -> FileChan
                 changes[found[0]] = float(f"{value / UNITS[found[1]]:.4g}")
         if now.loss_factor is not None and now.loss_factor != was.loss_factor:
             changes[f"{at}.loss_factor"] = float(f"{now.loss_factor:.3g}")
+    return changes
+
+
+def spline_changes(of: InstalledLine, longer: float, text: YamlEditor) -> FileChanges:
+    """Return the travel left in the spline of a line whose last shaft gets `longer`, m."""
+    spline = of.line.shafts[-1].spline
+    changes: FileChanges = {}
+    if spline is None or abs(longer) < 0.5 * ROUNDING_STEP_SI_BY_QUANTITY["length"]:
+        return changes
+    at = f"{yaml_address_of_line(of, text)}.shafts[{len(of.line.shafts)}].spline"
+    for stem, left in (("plunge", spline.plunge), ("draw", spline.draw)):
+        found = _list(f"{at}.{stem}", text)
+        if found and left is not None:
+            now = float(left) + (longer if stem == "plunge" else -longer)
+            changes[found[0]] = round_in_unit(max(now, 0.0), found[1], "length")
+    return changes
+
+
+def joint_place_changes(
+    at: str, was: tuple[float, float], now: tuple[float, float], text: YamlEditor
+) -> FileChanges:
+    """Return what changes where a joint sits on its axle, (x, z) m from the wheel centre."""
+    changes: FileChanges = {}
+    if at not in text:
+        return changes
+    for k, stems in enumerate((("behind", "ahead"), ("above", "below"))):
+        found = next(
+            ((sign, key) for sign, stem in zip((1, -1), stems, strict=True)
+             if (key := _list(f"{at}.{stem}", text))),
+            (1, (f"{at}.{stems[0]}_mm", "mm")),
+        )  # fmt: skip
+        sign, (key, unit) = found
+        before, after = (round_in_unit(sign * float(o[k]), unit, "length") for o in (was, now))
+        if before != after:
+            changes[key] = after
+    return changes
+
+
+def range_changes(stem: str, part: int, amount: float, parts: int, text: YamlEditor) -> FileChanges:
+    """Return the range of `adjust` that counts from where a part is after it moved, SI.
+
+    One range for several parts stays as it is written.
+    """
+    found = _list(stem, text)
+    if not found:
+        return {}
+    key, unit = found
+    at = next((a for a in (f"{key}.{part}", key) if f"{a}[1]" in text), "")
+    if not at or (at == key and parts > 1):
+        return {}
+    changes: FileChanges = {}
+    for k in (1, 2):
+        written = text.scalar_text(f"{at}[{k}]")
+        if written is None:
+            return {}
+        changes[f"{at}[{k}]"] = round(float(written) - amount / UNITS[unit], 6) + 0.0
     return changes
 
 

@@ -153,15 +153,18 @@ def read_part(path: Path) -> VectoPart:
     except json.JSONDecodeError as error:
         xml = "save the job as JSON: VECTO's XML is not read" if text.lstrip()[:1] == "<" else ""
         issue = FileIssue(
-            message=f"is no JSON: {error.msg}", hint=xml, line=error.lineno, column=error.colno
+            message=f"is not a JSON file: {error.msg}",
+            hint=xml,
+            line=error.lineno,
+            column=error.colno,
         )
         raise InvalidFileError(str(path), (issue,)) from None
     except RecursionError:
-        issue = FileIssue(message="is no JSON of VECTO: too many tables inside each other")
+        issue = FileIssue(message="is not a JSON file of VECTO: too many nested tables")
         raise InvalidFileError(str(path), (issue,)) from None
     body = found.get("Body", found) if isinstance(found, dict) else None
     if not isinstance(body, dict):
-        issue = FileIssue(message="is no JSON of VECTO: a table with the key Body is expected")
+        issue = FileIssue(message="is not a JSON file of VECTO: the key Body is missing")
         raise InvalidFileError(str(path), (issue,))
     return VectoPart(path=path, text=text, body=body)
 

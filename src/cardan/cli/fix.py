@@ -1,12 +1,14 @@
 """`cardan fix`: what to change, over all states at once."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from cardan.cli.common import (
     FILE_ARGUMENT,
     JSON_OPTION,
+    OUTPUT_PATH,
     QUIET_OPTION,
     add_file_position_to_errors,
     echo_lines,
@@ -16,12 +18,18 @@ from cardan.cli.common import (
     terminal_width,
     validate_output_paths,
     write_json,
+    write_output,
 )
 from cardan.cli.exit_codes import (
     NoRepeatedOptionCommand,
     exit_with_code_2_on_known_errors,
     exit_with_verdicts,
 )
+from cardan.core.errors import DesignError
+
+if TYPE_CHECKING:  # a command is imported before it is known what it computes
+    from cardan.render.i18n import Translator
+    from cardan.topics.design.corrections import Correction
 
 
 @click.command(cls=NoRepeatedOptionCommand)
@@ -41,6 +49,20 @@ from cardan.cli.exit_codes import (
     help="Compute N trucks of each proposal, each by itself; by default their margins are taken "
     "from slopes at the setting.",
 )
+@click.option(
+    "--write",
+    metavar="OUT",
+    type=OUTPUT_PATH,
+    help="Write FILE with a proposal in it as OUT, a new file, and check that.",
+)
+@click.option(
+    "--proposal",
+    type=click.IntRange(1),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Which proposal --write takes.",
+)
 @click.option("--all", "every", is_flag=True, help="All numbers of each proposal.")
 @QUIET_OPTION
 @exit_with_code_2_on_known_errors
@@ -55,6 +77,8 @@ def fix(
     hold: tuple[str, ...],
     count: int,
     draws: int,
+    write: Path | None,
+    proposal: int,
     every: bool,
     quiet: bool,
 ) -> None:
@@ -63,9 +87,10 @@ def fix(
     Prints one screen; --all prints all of each proposal. Moves centre bearings, the axle's shim
     and yoke phases within what the file's `adjust` allows, in the steps of a workshop, and ranks
     by the verdict, by how many trucks keep it as they scatter, and by cost. --hold
-    bearing_height, or --hold "phase 2", leaves that where it is. Exit code 0 where a check of
-    the file changed as the first proposal says would end so, else 1; where there is no proposal,
-    as a check of the file.
+    bearing_height, or --hold "phase 2", leaves that where it is. --write OUT writes the file as
+    the first proposal changes it, in its own slopes, lengths or points. Exit code 0 where a check
+    of the file changed as the first proposal says would end so, else 1; where there is no
+    proposal, as a check of the file.
     """
     from cardan.approval.approval import approve_application
     from cardan.documents.corrections_screen import correction_screen_lines
@@ -76,7 +101,10 @@ def fix(
     from cardan.topics.design.sensitivity import check_sensitivities
 
     say = Translator(lang)
-    outputs = validate_output_paths(file, limits, json_out=json_out)
+    outputs = validate_output_paths(file, limits, json_out=json_out, write=write)
+    if write is not None and write.exists():
+        msg = f"{write} is there already: choose another name"
+        raise DesignError(msg)
     application = read_application(file, limits, allow_outside=allow_outside, outputs=outputs)
     with (
         add_file_position_to_errors(file, application),
@@ -97,4 +125,40 @@ def fix(
             echo_lines(fold_lines(shown, wide))
         else:
             echo_lines(correction_screen_lines(found, installed, helps=helps, say=say, width=wide))
+    if write is not None:
+        _write_proposal(found, proposal, write, limits=limits, say=say, quiet=json_out == "-")
     exit_with_verdicts((found[0].approval if found else installed).verdict)
+
+
+def _write_proposal(
+    found: "tuple[Correction, ...]",
+    number: int,
+    out: Path,
+    *,
+    limits: str | None,
+    say: "Translator",
+    quiet: bool,
+) -> None:
+    """Write the file as a proposal changes it, once that can be read and checked."""
+    from cardan.application import reader
+    from cardan.application.plausibility import with_limit_profile
+    from cardan.approval.approval import approve_application
+    from cardan.documents.corrections_screen import written_correction_lines
+    from cardan.topics.design.correction_edits import corrected_text
+
+    if number > len(found):
+        msg = f"nothing is written: proposal {number} of {len(found)}"
+        raise DesignError(msg)
+    of = found[number - 1]
+    new, written = corrected_text(of), of.installed_approval.application.written
+    changed = reader.loads(
+        new.text,
+        name=str(out),
+        folder=out.absolute().parent,
+        allow_outside=written is not None and written.allow_outside,
+        warn=False,
+    )
+    checked = approve_application(with_limit_profile(changed, limits) if limits else changed)
+    write_output(out, new.text, replace=False)
+    if not quiet:
+        echo_lines(written_correction_lines(new, number, checked, str(out), say, terminal_width()))

@@ -51,12 +51,13 @@ from cardan.render.phrases import (
     grouped_unevaluated_lines,
     limit_sense_symbol,
     note_sentences,
+    placeholder_sentence,
     unevaluated_limit_lines,
     value_and_bound,
+    verdict_text,
     worst_check_per_limit,
 )
 from cardan.render.provenance_table import report_blocks as data_used
-from cardan.render.screen_layout import approval_text
 from cardan.render.state_table import (
     StateTableRow,
     driveline_title,
@@ -140,7 +141,10 @@ def approval_report_from_results(
         Chapter(title=say("Limits"), blocks=tuple(verdict_report_blocks(of, say, short=short))),
         Chapter(title=say("What to change"), blocks=tuple(_change_blocks(of, helps, fixes, say))),
     ]
-    for response in () if short else of.line_responses:
+    if of.application.placeholders and not short:
+        why = Text(paragraphs=(placeholder_sentence(of, say),))
+        chapters.append(Chapter(title=say("Results by state"), blocks=(why,)))
+    for response in () if short or of.application.placeholders else of.line_responses:
         chapters += _line_chapters(response, of.checks, say, several=several)
     chapters += [
         *_study_chapters(of, say, short=short),
@@ -160,7 +164,7 @@ def approval_report_from_results(
         title=of.application.title,
         subtitle=say("Driveline approval report"),
         grade=of.verdict,
-        verdict=approval_text(of, say),
+        verdict=verdict_text(of, say),
         facts=(
             *identification_facts(of.application, say),
             (say("Coverage"), _coverage_text(of, say)),
@@ -186,7 +190,7 @@ def comparison_report(
         rows=tuple(
             (
                 n,
-                approval_text(v.approval, say),
+                verdict_text(v.approval, say),
                 criteria_count_text(v.approval, say),
                 v.approval.application.profile,
             )
@@ -232,7 +236,7 @@ def comparison_report(
     revisions = (revision_table(last, say, issue), *_file_blocks(say, issue))
     chapters.append(Chapter(title=say("Revisions"), blocks=revisions))
     grades: list[Verdict] = [v.approval.verdict for v in of]
-    said = (approval_text(v.approval, say) for v in of)
+    said = (verdict_text(v.approval, say) for v in of)
     return ReportDocument(
         language=say.code,
         is_sheet=True,
@@ -289,9 +293,11 @@ def verdict_report_blocks(of: Approval, say: Translator, *, short: bool = False)
         yield BulletList(
             caption=say("What looks wrong in the file"), points=tuple((one, ()) for one in odd)
         )
-    if found := points_before_signing(of, say):
-        yield BulletList(caption=say("Open points"), points=tuple((one, ()) for one in found))
-    if found := note_sentences(of, say):
+    points = points_before_signing(of, say)
+    if points:
+        yield BulletList(caption=say("Open points"), points=tuple((one, ()) for one in points))
+    # A note that is an open point stands there.
+    if found := [n for n in note_sentences(of, say) if not any(one in n for one in points)]:
         yield Text(paragraphs=tuple(found))
 
 

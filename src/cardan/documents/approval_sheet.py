@@ -224,7 +224,7 @@ def _side_view(of: Approval, say: Translator, *, state: str | None) -> Iterator[
     rows = worst_check_per_limit(of.checks)
     names = [r.line.name for r in of.line_responses]
     line = next((c.line for c in rows if c.line in names), names[0] if names else None)
-    for r in of.line_responses:
+    for r in () if of.application.placeholders else of.line_responses:
         if r.line.name == line and has_known_geometry(r):
             s, at = state_to_draw(r, rows if state is None else (), state)
             figure = side_view_in_state(r, say, s, at)

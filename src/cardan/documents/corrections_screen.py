@@ -15,10 +15,15 @@ from cardan.documents.criteria import (
     limit_qualifiers,
     short_name,
 )
-from cardan.documents.first_screen import correction_text
+from cardan.documents.first_screen import correction_text, criteria_count_text
 from cardan.render.check_texts import limit_text, lower_bound_explanation, value_text
 from cardan.render.i18n import ENGLISH, Translator
-from cardan.render.phrases import grouped_unevaluated_lines, worst_check_per_limit
+from cardan.render.phrases import (
+    VERDICT_TEXTS,
+    grouped_unevaluated_lines,
+    verdict_text,
+    worst_check_per_limit,
+)
 from cardan.render.screen_layout import (
     GRADE_MARKS,
     capped_item_lines,
@@ -30,6 +35,7 @@ from cardan.render.screen_layout import (
 from cardan.render.terminal import bold
 from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, table_lines
 from cardan.topics.design.correction import Correction
+from cardan.topics.design.correction_edits import CorrectedText
 from cardan.topics.design.phrases import (
     helpful_adjustment_phrases,
     no_correction_sentence,
@@ -37,6 +43,9 @@ from cardan.topics.design.phrases import (
     tolerance_yield_sentences,
 )
 from cardan.topics.design.sensitivity import CheckSensitivity
+
+SHORT_VERDICT_TEXTS = {**VERDICT_TEXTS, "warn": "with warnings"}
+"""Verdicts for a narrow column."""
 
 MAX_LINES = 32
 """Lines of the screen at 80 columns; the blocks below keep to it together."""
@@ -136,12 +145,23 @@ def _proposal_lines(
 ) -> Iterator[str]:
     """Yield a row for each proposal: moves, verdict, criteria of each grade, trucks, cost."""
     head = ("", *map(say, ("proposal", "verdict", "exceeded", "warnings", "trucks", "cost")))
-    rows = [("", say("as installed"), say(installed.verdict), *_counts(installed), "-", "-")]
+    rows = [
+        (
+            "",
+            say("as installed"),
+            say(SHORT_VERDICT_TEXTS[installed.verdict]),
+            *_counts(installed),
+            "-",
+            "-",
+        )
+    ]
     for k, p in enumerate(of, 1):
         moves = "; ".join(correction_text(m, say) for m in p.adjustments)
         trucks = share_text(p.tolerance_yield.share, say) if p.tolerance_yield else "-"
         cost = say.compact_number(round(p.cost, 2))
-        rows.append((str(k), moves, say(p.verdict), *_counts(p.approval), trucks, cost))
+        rows.append(
+            (str(k), moves, say(SHORT_VERDICT_TEXTS[p.verdict]), *_counts(p.approval), trucks, cost)
+        )
     for shown in range(len(rows), 1, -1):
         first, *lines = table_lines(head, rows[:shown], width, right=(3, 4, 5, 6))
         rest = len(rows) - shown
@@ -174,17 +194,24 @@ def _changes_in_words(
     rows: list[tuple[str, ...]] = []
     improved: list[str] = []
     worsened: list[str] = []
+    gone: list[str] = []
     for one in sorted(_changes(p), key=lambda one: one.order):
         was, now = one.grades
         arrow = " -> ".join(say(g) if g else "-" for g in dict.fromkeys((was, now)))
         name = _name(one, qualifiers, say, several=several)
         before, after = (_against_limit(c, say) for c in (one.before, one.after))
-        if now == "fail":
+        if now is None:
+            gone.append(name)
+        elif now == "fail":
             rows.append((GRADE_MARKS[now], name, before, after, arrow))
         else:
             better = one.order[1] > 0
             (improved if better else worsened).append(f"{name} {before} -> {after}, {arrow}")
-    return rows, [(say("Improved:"), improved), (say("Worsened:"), worsened)]
+    return rows, [
+        (say("Improved:"), improved),
+        (say("Worsened:"), worsened),
+        (say("Does not apply any more:"), gone),
+    ]
 
 
 def _exceeded_lines(
@@ -267,10 +294,23 @@ def _not_evaluated_lines(p: Correction, *, several: bool, say: Translator, width
     return capped_list_lines(say("Not evaluated:"), items, MAX_LIST_LINES, "--all", say, width)
 
 
+def written_correction_lines(
+    of: CorrectedText, k: int, checked: Approval, path: str, say: Translator, width: int
+) -> Iterator[str]:
+    """Yield the numbers that proposal `k` changed in a file, and what a check of it finds."""
+    lead = say("Proposal {k} is written as {file}:", k=k, file=path)
+    yield from fold_lines([lead], width)
+    for at, was, now in of.changes:
+        yield f"  {at}: {was or '-'} -> {now}"
+    said = f"{verdict_text(checked, say)} ({criteria_count_text(checked, say)})"
+    yield from fold_lines([say("Check of {file}: {verdict}", file=path, verdict=said)], width)
+
+
 def _next_lines(of: Sequence[Correction], say: Translator, width: int) -> Iterator[str]:
     """Yield the commands that follow."""
     size = "cardan size FILE | " if not of or of[0].unchangeable_checks else ""
+    write = "--write OUT | " if of else ""
     yield from fold_lines(
-        [f"{say('Next:')} {size}cardan check FILE --moves | cardan fix FILE --hold WHAT | "
+        [f"{say('Next:')} {size}cardan check FILE --moves | cardan fix FILE {write}--hold WHAT | "
          "--draws N | --all"], width,
     )  # fmt: skip

@@ -246,14 +246,32 @@ def _largest_demand(responses: Sequence[LineResponse], say: Translator) -> str:
     return say("up to {demand}", demand=said) if said else ""
 
 
-def _count_text(screen: _Screen) -> str:
+def criteria_grade_texts(of: Approval, say: Translator) -> dict[CheckGrade, str]:
+    """Return how many criteria have each grade, the worst first."""
+    return _grade_texts(_screen(of, say, DEFAULT_WIDTH_COLUMNS))
+
+
+def count_criteria_not_evaluated(of: Approval) -> int:
+    """Return how many criteria have no value for any part."""
+    known = {c.key for c in criteria_of(of.checks)}
+    return len({limit_grouping_key(u) for u in of.coverage.unevaluated} - known)
+
+
+def _grade_texts(screen: _Screen) -> dict[CheckGrade, str]:
     say = screen.say
     number = {g: len(screen.graded(g)) for g in CHECK_GRADES}
-    grades = say.join(
-        say.count("{count} exceeded", "{count} exceeded", number["fail"]),
-        say.count("{count} beyond recommended", "{count} beyond recommended", number["warn"]),
-        say.count("{count} met", "{count} met", number["pass"]),
-    )
+    return {
+        "fail": say.count("{count} exceeded", "{count} exceeded", number["fail"]),
+        "warn": say.count(
+            "{count} beyond recommended", "{count} beyond recommended", number["warn"]
+        ),
+        "pass": say.count("{count} met", "{count} met", number["pass"]),
+    }
+
+
+def _count_text(screen: _Screen) -> str:
+    say = screen.say
+    grades = say.join(*_grade_texts(screen).values())
     total = say.count("{count} criterion", "{count} criteria", len(screen.criteria))
     known = {c.key for c in screen.criteria}
     missed = {limit_grouping_key(u) for u in screen.unevaluated}

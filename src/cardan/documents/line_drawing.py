@@ -110,7 +110,7 @@ def side_view_in_state(
     page = _view_scale(layout, layout, there, c, thick=thick, exaggerations=(1,))
     angles = np.diff(layout.side)
     state = check_state_phrase(at, say) if at else say.state(response.demand.states[s])
-    title = say("The line in {state}, from the left, true to scale", state=state)
+    title = say("The line ({state}) from the left, true to scale", state=state)
     true = response.joint_angles[s]
     alt = f"{title}. " + "; ".join(
         f"{say.part(Part('joint', k))}: {say.compact_number(a / deg, 3)} deg"
@@ -142,7 +142,7 @@ def _operating_angle_note(response: LineResponse, say: Translator) -> str:
     )
     yoke = say("The gearbox's yoke is drawn upright.")
     hung = any(s.centre_bearing for s in response.line.shafts)
-    frame = (say("How high the frame lies is not given: it is drawn above."),) if hung else ()
+    frame = (say("The frame's height is not given: it is drawn above the line."),) if hung else ()
     return " ".join((said, yoke, *frame))
 
 

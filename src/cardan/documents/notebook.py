@@ -22,7 +22,7 @@ from cardan.render.blocks import Block, BulletList, Chapter, Figures, Table, Tex
 from cardan.render.fonts import truncate
 from cardan.render.html import VERDICT_SYMBOLS
 from cardan.render.i18n import ENGLISH, Translator
-from cardan.render.phrases import approval_counts_text
+from cardan.render.phrases import approval_counts_text, is_partial_approval, verdict_text
 from cardan.render.svg import VERDICT_COLOURS, AttributeValue, Figure, svg_element
 from cardan.schema.atomic_write import write_atomically
 
@@ -63,8 +63,8 @@ def html_element(name: str, *inside: str, **attributes: AttributeValue) -> Marku
 
 def approval_html(of: Approval, say: Translator) -> Markup:
     """Return the verdict, each line from its side, each limit where it is worst, and notes."""
-    grade = of.verdict
-    said = f"{VERDICT_SYMBOLS[grade]} {say(grade).upper()}"
+    grade = "warn" if is_partial_approval(of) and of.verdict == "pass" else of.verdict
+    said = f"{VERDICT_SYMBOLS[grade]} {verdict_text(of, say)}"
     return html_element(
         "div",
         html_element(

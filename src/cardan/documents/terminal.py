@@ -20,10 +20,12 @@ from cardan.documents.first_screen import screen_lines
 from cardan.render.check_texts import limit_text, lower_bound_explanation, value_text
 from cardan.render.i18n import ENGLISH, LANGUAGE_CODES, Translator
 from cardan.render.phrases import (
+    VERDICT_TEXTS,
     citation,
     doubtful_value_count_text,
     is_partial_approval,
     note_sentences,
+    placeholder_sentence,
     short_verdict_text,
     unevaluated_limit_lines,
     verdict_text,
@@ -92,6 +94,11 @@ def approval_lines(
             yield from load_function(lines)(found, say)
     if sources and not every:
         yield from _source_lines(of, say, width)
+    if of.application.placeholders:
+        if phasings or states or every:
+            yield ""
+            yield from fold_lines([placeholder_sentence(of, say)], width)
+        return
     if every or phasings:
         for response in of.line_responses:
             yield from _yoke_phasing_lines(response, say, width, several=several)
@@ -127,7 +134,7 @@ def file_lines(of: "Sequence[Variant]", say: Translator = ENGLISH) -> Iterator[s
         room = " " * (wide - display_width(v.name))
         yield f"{v.name}{room}  {verdict}: {'; '.join(told)}"
     counts = Counter(v.approval.verdict for v in of)
-    found = ", ".join(f"{counts[v]} {say(v)}" for v in VERDICTS if counts[v])
+    found = ", ".join(f"{counts[v]} {say(VERDICT_TEXTS[v])}" for v in VERDICTS if counts[v])
     yield say.count(
         "{count} file: {verdicts}", "{count} files: {verdicts}", len(of), verdicts=found
     )

@@ -21,7 +21,7 @@ from cardan.approval.study import DRIVELINE_STUDY_NAME, StudyResult
 from cardan.checks.line_response import LineResponse
 from cardan.core.labels import EvaluationCondition, Part
 from cardan.core.optional_import import import_optional
-from cardan.core.verdict import Check, Limit, Verdict
+from cardan.core.verdict import VERDICTS, Check, Limit, Verdict
 from cardan.documents import workbook_summary as front
 from cardan.documents.workbook_calculation import CalculationSheet, result_label
 from cardan.documents.workbook_criteria import write_criteria_sheet
@@ -30,7 +30,7 @@ from cardan.documents.workbook_limits import LimitRow, LimitSheet, write_verdict
 from cardan.documents.workbook_results import ResultsSheet
 from cardan.documents.workbook_states import StatesSheet
 from cardan.render.i18n import Translator
-from cardan.render.phrases import partial_approval_texts
+from cardan.render.phrases import verdict_texts, verdict_word
 from cardan.render.xlsx import (
     NOT_COMPUTED_PLACEHOLDER,
     WorkbookWriter,
@@ -60,7 +60,7 @@ def workbook_bytes(of: Approval, *, say: Translator) -> bytes:
     for r in of.line_responses:
         write_line_inputs(inputs, r, tag=tags[r.line.name])
     judged: list[LimitSheet] = []
-    texts = partial_approval_texts(of, say)
+    texts = verdict_texts(of, say)
     for r in of.line_responses:
         end = f" {r.line.name}" if len(tags) > 1 else ""
         judged.append(_write_line_sheets(book, r, tag=tags[r.line.name], end=end, texts=texts))
@@ -164,7 +164,7 @@ def _write_study_sheet(
                 line_in_label=True,
             )
         )
-    judged.write_sheet_verdict(top, "")
+    judged.write_sheet_verdict(top, "", {v: verdict_word(v, say) for v in VERDICTS})
     sheet.sheet.freeze_panes(0, 1)
     return judged
 

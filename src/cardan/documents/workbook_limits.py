@@ -11,7 +11,6 @@ geometry is that of another torque. Margins, in columns of their own, follow the
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import copysign, isinf
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -19,8 +18,14 @@ import numpy as np
 from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.arrays import BoolArray, FloatArray
 from cardan.core.units import deg
-from cardan.core.verdict import MARGIN_TOLERANCE, VERDICTS, Limit, Verdict, worst_verdict
-from cardan.render.phrases import citation
+from cardan.core.verdict import (
+    MARGIN_TOLERANCE,
+    VERDICTS,
+    Limit,
+    Verdict,
+    worst_verdict,
+)
+from cardan.render.phrases import citation, verdict_word
 from cardan.render.xlsx import (
     CHANGED_INPUT_COUNT_CELL_NAME,
     FIRST_STATE_COLUMN,
@@ -455,17 +460,19 @@ class LimitSheet:
         else:
             asks = f'{letter}{row}<>""'
         if of.limit.band:
-            bad = "fail" if of.limit.maximum is not None else "warn"
-            rules = [(bad, _within_band_formula(here, of.limit, row))]
+            bad: Verdict = "fail" if of.limit.maximum is not None else "warn"
+            rules: list[tuple[Verdict, str]] = [(bad, _within_band_formula(here, of.limit, row))]
         else:
+            bounds: dict[Verdict, str] = {"fail": f"$D{row}", "warn": f"$C{row}"}
             rules = [
                 (grade, f"ISNUMBER({bound}),{_beyond_bound_formula(here, of.limit, bound, factor)}")
-                for grade, bound in (("fail", f"$D{row}"), ("warn", f"$C{row}"))
+                for grade, bound in bounds.items()
             ]
         last = first + self.count - 1
-        each = [
+        rules.append(("pass", "TRUE"))
+        each: list[tuple[Verdict, str, int, int]] = [
             (grade, f"=AND(ISNUMBER({here}),{when},{asks},{rule})", first, last)
-            for grade, rule in (*rules, ("pass", "TRUE"))
+            for grade, rule in rules
         ]
         each[-1:-1] = [
             ("warn", f"=ISNUMBER({column_letters(k)}{row})", k, k)
@@ -482,9 +489,7 @@ class LimitSheet:
                 },
             )  # fmt: skip
 
-    def write_sheet_verdict(
-        self, top: int, name: str, texts: Mapping[Verdict, str] = MappingProxyType({})
-    ) -> None:
+    def write_sheet_verdict(self, top: int, name: str, texts: Mapping[Verdict, str]) -> None:
         """Write the verdict of the sheet into its second column, and colour all verdicts."""
         write_verdict(self.sheet, top, [self], name=name, texts=texts)
         if self.rows:
@@ -498,37 +503,33 @@ def write_verdict(
     of: Sequence[LimitSheet],
     *,
     name: str,
-    texts: Mapping[Verdict, str] = MappingProxyType({}),
+    texts: Mapping[Verdict, str],
 ) -> None:
     """Write the verdict over the rows of some sheets into a row of a sheet, from 0.
 
-    `texts` stand for verdicts that say what they are not of.
+    `texts` are the headlines of the verdicts; an approval says there what it is not of.
     """
     say, book = sheet.book.say, sheet.book
-
-    def shown(verdict: Verdict) -> str:
-        return texts.get(verdict) or say(verdict)
-
     places = [j.verdict_range for j in of if j.verdict_range]
 
     def any_is(word: str) -> str:
         return "+".join(f'SUMPRODUCT(--({p}="{say(word)}"))' for p in places) + ">0"
 
     found: list[Verdict] = [v for j in of for v in j.found]
-    cached = shown(worst_verdict(found) if found else "incomplete")
-    formula = f'"{say("incomplete")}"'
+    cached = texts[worst_verdict(found) if found else "incomplete"]
+    formula = f'"{texts["incomplete"]}"'
     if places:
         # Where nothing was requested nothing is approved either.
-        formula = f'IF({any_is("pass")},"{shown("pass")}",{formula})'
+        formula = f'IF({any_is("pass")},"{texts["pass"]}",{formula})'
         for grade in VERDICTS[1:-1]:
-            formula = f'IF({any_is(grade)},"{shown(grade)}",{formula})'
+            formula = f'IF({any_is(grade)},"{texts[grade]}",{formula})'
         formula = f'IF({any_is("stale")},"{say("stale: run cardan again")}",{formula})'
-        formula = f'IF({any_is("fail")},"{say("fail")}",{formula})'
+        formula = f'IF({any_is("fail")},"{texts["fail"]}",{formula})'
     sheet.sheet.write_string(row, 0, say("Verdict"), book.title)
     sheet.sheet.write_formula(row, 1, "=" + formula, book.verdict, cached)
     if name:
         book.define_cell_name(name, f"'{sheet.name}'!$B${row + 1}")
-    colour_verdict_cells(sheet.sheet, book, (row, 1, row, 1), partial=texts.values())
+    colour_verdict_cells(sheet.sheet, book, (row, 1, row, 1), texts=texts)
 
 
 def colour_verdict_cells(
@@ -536,15 +537,22 @@ def colour_verdict_cells(
     book: WorkbookWriter,
     place: tuple[int, int, int, int],
     *,
-    partial: Iterable[str] = (),
+    texts: Mapping[Verdict, str] | None = None,
 ) -> None:
-    """Colour cells that hold verdicts: first row and column, last row and column, from 0.
+    """Colour cells that hold grades: first row and column, last row and column, from 0.
 
-    `partial` approvals, which are not of speed and strength, stand as warnings do.
+    Cells of a verdict hold its headline, from `texts`; an approval that says what it is not of
+    stands as a warning does.
     """
+    partial = texts is not None and texts["pass"] != verdict_word("pass", book.say)
     said: list[tuple[str, Any]] = [
-        *((book.say(g), style) for g, style in book.graded.items()),
-        *((text, book.graded["warn"]) for text in partial),
+        *(
+            (
+                texts[g] if texts else book.say(g),
+                book.graded["warn"] if partial and g == "pass" else style,
+            )
+            for g, style in book.graded.items()
+        ),
         (book.say("stale"), book.stale),
         (book.say("stale: run cardan again"), book.stale),
     ]

@@ -197,8 +197,8 @@ _DECLARED = (
         probe_step=1 * deg,
         resolution=0.5 * deg,
         label="shim of the axle",
-        increase_text="pinion nose up {amount} deg",
-        decrease_text="pinion nose down {amount} deg",
+        increase_text="pinion angle +{amount}° (shim)",
+        decrease_text="pinion angle -{amount}° (shim)",
     ),
     Adjustment(
         key="phase",

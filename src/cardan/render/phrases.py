@@ -15,6 +15,7 @@ from cardan.core.labels import WHOLE_LINE
 from cardan.core.provenance import Source
 from cardan.core.units import rpm
 from cardan.core.verdict import (
+    VERDICTS,
     AssumedRange,
     Check,
     CheckGrade,
@@ -264,6 +265,14 @@ def adjustable_parameter_phrase(a: PermittedAdjustment, say: Translator) -> str:
     return say(ADJUSTMENTS[a.adjustment_key].label, part=a.part)
 
 
+VERDICT_TEXTS: dict[Verdict, str] = {
+    "pass": "approved",
+    "warn": "approved with warnings",
+    "incomplete": "incomplete",
+    "fail": "not approved",
+}
+"""What a verdict means to a signer; the grade of a single check keeps its own word."""
+
 _NOT_EVALUATED_TEXTS: dict[tuple[str, ...], str] = {
     ("speed",): "speed not evaluated",
     ("strength",): "strength not evaluated",
@@ -280,15 +289,20 @@ _APPROVED_TEXTS = {
 """By verdict and what is evaluated."""
 
 
+def verdict_word(verdict: Verdict, say: Translator) -> str:
+    """Return a verdict in capitals: NOT APPROVED."""
+    return say(VERDICT_TEXTS[verdict]).upper()
+
+
 def verdict_text(of: "Approval", say: Translator, verdict: Verdict | None = None) -> str:
     """Return the verdict as a headline; an approval says in it what it is not of.
 
-    "angles approved; speed and strength not evaluated" is never shortened to PASS. Another
+    "angles approved; speed and strength not evaluated" is never shortened to APPROVED. Another
     `verdict` than the approval's own is what a live workbook may come to.
     """
     verdict = verdict or of.verdict
     if not is_partial_approval(of) or verdict not in ("pass", "warn"):
-        return say(verdict).upper()
+        return verdict_word(verdict, say)
     angles_alone = bool({"speed", "strength"} & set(of.not_evaluated))
     scope = "angles" if angles_alone else "all"
     if of.application.profile.startswith(INLINE_LIMITS_NAME):
@@ -310,16 +324,23 @@ def _not_evaluated(of: "Approval") -> list[str]:
     return told
 
 
-def partial_approval_texts(of: "Approval", say: Translator) -> dict[Verdict, str]:
-    """Return what stands for pass and warn in the headline where they are not of everything."""
-    grades: tuple[Verdict, ...] = ("pass", "warn") if is_partial_approval(of) else ()
-    return {grade: verdict_text(of, say, grade) for grade in grades}
+def verdict_texts(of: "Approval", say: Translator) -> dict[Verdict, str]:
+    """Return the headline of each verdict that an approval may come to."""
+    return {verdict: verdict_text(of, say, verdict) for verdict in VERDICTS}
 
 
 def short_verdict_text(of: "Approval", say: Translator) -> str:
-    """Return the verdict for a narrow column: PASS is marked where it is not of everything."""
-    said = say(of.verdict).upper()
+    """Return the verdict for a narrow column: marked where it is not of everything."""
+    said = verdict_word(of.verdict, say)
     return f"{said} *" if is_partial_approval(of) and of.verdict in ("pass", "warn") else said
+
+
+def placeholder_sentence(of: "Approval", say: Translator) -> str:
+    """Return why a file with placeholders has no numbers of its lines."""
+    return say(
+        "Results by state: not evaluated; these keys hold placeholders: {names}",
+        names=", ".join(of.application.placeholders),
+    )
 
 
 def not_given_sentence(of: "Approval", say: Translator) -> str:

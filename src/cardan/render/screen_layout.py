@@ -12,12 +12,6 @@ from cardan.render.text_layout import display_width, fold_lines, wrap_text
 if TYPE_CHECKING:  # a recording does not wait for the physics of a driveline
     from cardan.approval.approval import Approval
 
-VERDICT_TEXTS: dict[Verdict, str] = {
-    "pass": "approved",
-    "warn": "approved with warnings",
-    "incomplete": "incomplete",
-    "fail": "not approved",
-}
 GRADE_MARKS: dict[CheckGrade, str] = {"fail": "X", "warn": "!", "pass": " "}
 
 
@@ -34,14 +28,7 @@ def title_lines(of: "Approval", say: Translator, width: int) -> list[str]:
     """Return title and verdict, in one line if it has room for both."""
     partial = is_partial_approval(of) and of.verdict in ("pass", "warn")
     grade = "warn" if partial else of.verdict
-    return title_and_verdict_lines(of.application.title, approval_text(of, say), grade, width)
-
-
-def approval_text(of: "Approval", say: Translator) -> str:
-    """Return the verdict as what it means to a signer: NOT APPROVED; of a part, of which part."""
-    if is_partial_approval(of) and of.verdict in ("pass", "warn"):
-        return verdict_text(of, say)
-    return say(VERDICT_TEXTS[of.verdict]).upper()
+    return title_and_verdict_lines(of.application.title, verdict_text(of, say), grade, width)
 
 
 def more_text(count: int, option: str, say: Translator) -> str:

@@ -20,6 +20,7 @@ from cardan.render.phrases import (
     unevaluated_limit_lines,
     value_and_bound,
     verdict_text,
+    verdict_word,
     worst_check_per_limit,
 )
 from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, wrap_text
@@ -54,7 +55,7 @@ def verdict_headline(
     say: Translator = ENGLISH,
 ) -> str:
     """Return a verdict in a line: of what, and how many checks came to which grade."""
-    said = coloured_by_grade(verdict, say(verdict).upper())
+    said = coloured_by_grade(verdict, verdict_word(verdict, say))
     return f"{bold(title)}: {said} ({check_counts_text(checks, say, unanswered)})"
 
 

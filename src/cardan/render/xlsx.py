@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from cardan.core.arrays import FloatArray
+from cardan.core.verdict import Verdict
 from cardan.render.i18n import Translator
 
 FIRST_STATE_COLUMN = 4
@@ -126,7 +127,7 @@ class WorkbookWriter:
         self.short = style(num_format=SHORT_NUMBER_FORMAT, align="left")
         self.verdict = style(bold=True, align="center")
         self.margin = style(num_format="0.0%", align="left")
-        self.graded = {
+        self.graded: dict[Verdict, Any] = {
             "fail": file.add_format({"bg_color": "#F6C9C4", "font_color": "#8E1B12"}),
             "warn": file.add_format({"bg_color": "#FBE7B2", "font_color": "#6B4A00"}),
             "incomplete": file.add_format({"bg_color": "#E6D5F0", "font_color": "#5B2A77"}),

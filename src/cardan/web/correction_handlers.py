@@ -6,18 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from cardan.application.layout_writer import (
-    FileChanges,
-    bearing_changes,
-    layout_changes,
-    phase_changes,
-)
+from cardan.application.layout_writer import FileChanges
 from cardan.application.paste_import import parse_localised_number
 from cardan.approval.applied_adjustments import (
     AppliedAdjustment,
     all_adjustments,
     allowed_adjustments,
-    corrected_application,
 )
 from cardan.approval.approval import Approval
 from cardan.checks.line_response import LineResponse
@@ -31,6 +25,7 @@ from cardan.model.application import PermittedAdjustment
 from cardan.model.variants import VariantOutputs
 from cardan.render.i18n import Translator
 from cardan.render.phrases import adjustable_parameter_phrase, adjustment_phrase
+from cardan.topics.design.correction_edits import correction_changes
 from cardan.topics.design.corrections import Correction, find_corrections
 from cardan.topics.design.phrases import (
     correction_improvement_sentence,
@@ -95,14 +90,7 @@ def edits_for_adjustments(
 ) -> FileChanges:
     """Return the edits of a document that moves of a workshop come to."""
     r = next(r for r in read.responses if r.line.name == line)
-    installed = r.demand.installed
-    after = corrected_application(
-        r, tuple(m.adjustable for m in moves), np.array([m.amount for m in moves])
-    )
-    new = next(i for i in after.lines if i.line.name == line)
-    found = layout_changes(installed, new.layout, read.manuscript)
-    found |= phase_changes(installed, new.line.phases, read.manuscript)
-    return found | bearing_changes(installed, new.line, read.manuscript)
+    return correction_changes(r, moves, read.manuscript)
 
 
 def adjustable_parameters_json(r: LineResponse, say: Translator) -> list[Json]:

@@ -11,7 +11,7 @@ from cardan.core.units import UNITS, deg
 from cardan.core.verdict import worst_first_key
 from cardan.model.layout import layout_from_points
 from cardan.render.i18n import Translator
-from cardan.render.phrases import partial_approval_texts, unevaluated_limit_lines
+from cardan.render.phrases import unevaluated_limit_lines, verdict_text
 from cardan.web.parsed_document import (
     Json,
     ParsedDocument,
@@ -39,7 +39,7 @@ def preview_new_application_form(
         "draft": drafts[0],
         **({} if len(drafts) == 1 else {"after": _changed_wheelbase(drafts[1], say)}),
         "verdict": found.verdict,
-        "headline": partial_approval_texts(found, say).get(found.verdict, ""),
+        "headline": verdict_text(found, say),
         "angles": round_decimals_list(r.joint_angles[0] / deg, 3),
         "equivalent": round_significant(float(r.kinematics.excitation.torsional.angle[0] / deg)),
         "unanswered": unevaluated_limit_lines(found, say),
@@ -56,7 +56,7 @@ def _changed_wheelbase(text: str, say: Translator) -> Json:
     return {
         "draft": text,
         "verdict": found.verdict,
-        "headline": partial_approval_texts(found, say).get(found.verdict, ""),
+        "headline": verdict_text(found, say),
         "checks": [
             check_to_json(c, found, say) for c in sorted(found.checks, key=worst_first_key)[:3]
         ],

@@ -26,6 +26,7 @@ from cardan.core.labels import OperatingPoint
 from cardan.core.units import deg, mm, rpm
 from cardan.core.verdict import CHECK_GRADES, worst_first_key, worst_verdict
 from cardan.documents.comparison import Variant, input_differences, limit_differences
+from cardan.documents.first_screen import count_criteria_not_evaluated, criteria_grade_texts
 from cardan.documents.inputs_table import input_rows
 from cardan.model.application import InstalledLine
 from cardan.physics.kinematics.equivalent_angle import ae7_phasor_terms
@@ -33,10 +34,9 @@ from cardan.physics.kinematics.joint_chain import rotate_chain, yoke_phases_as_i
 from cardan.render.i18n import Translator
 from cardan.render.phrases import (
     adjustment_phrase,
-    check_grade_count_texts,
     note_sentences,
-    partial_approval_texts,
     unevaluated_limit_lines,
+    verdict_text,
 )
 from cardan.topics.design.drag_handles import (
     HANDLE_KINDS,
@@ -289,9 +289,9 @@ def _full_result(read: ParsedDocument, _: Json, say: Translator, __: PartialResu
     others = [c for f in found.study_results if f.study != DRIVELINE_STUDY_NAME for c in f.checks]
     return {
         "verdict": found.verdict,
-        "headline": partial_approval_texts(found, say).get(found.verdict, ""),
-        "counted": check_grade_count_texts(found.checks, say),
-        "missed": len(found.coverage.unevaluated),
+        "headline": verdict_text(found, say),
+        "counted": criteria_grade_texts(found, say),
+        "missed": count_criteria_not_evaluated(found),
         "unanswered": unevaluated_limit_lines(found, say),
         "notes": note_sentences(found, say),
         "limits": [
@@ -410,8 +410,8 @@ def _compare_variants(
             {
                 "name": v.name,
                 "verdict": v.approval.verdict,
-                "headline": partial_approval_texts(v.approval, say).get(v.approval.verdict, ""),
-                "counted": check_grade_count_texts(v.approval.checks, say),
+                "headline": verdict_text(v.approval, say),
+                "counted": criteria_grade_texts(v.approval, say),
             }
             for v in found
         ],

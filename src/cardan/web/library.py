@@ -13,7 +13,7 @@ from cardan.core.verdict import CHECK_GRADES, worst_first_key
 from cardan.render.blocks import ReportDateAndSourceStamp, ReportDocument
 from cardan.render.i18n import LANGUAGE_CODES, Translator
 from cardan.render.media import REPORT_MEDIA
-from cardan.render.phrases import check_location, error_text, partial_approval_texts
+from cardan.render.phrases import check_location, error_text, verdict_text
 from cardan.schema.node_reader import ReferencedFile
 from cardan.topics.recording import campaign_schema as campaign
 from cardan.web import recording_handlers as heard
@@ -83,7 +83,7 @@ def _status_row(read: ParsedDocument, say: Translator) -> Json:
         "title": found.application.title,
         "profile": found.application.profile,
         "verdict": found.verdict,
-        "headline": partial_approval_texts(found, say).get(found.verdict, ""),
+        "headline": verdict_text(found, say),
         "counts": {grade: sum(c.grade == grade for c in found.checks) for grade in CHECK_GRADES},
         "worst": None if worst is None else {
             "name": say.name(worst.quantity), "margin": round_significant(worst.margin),

@@ -23,6 +23,7 @@ from cardan.core.errors import CardanError
 from cardan.core.verdict import Check
 from cardan.model.application import Application
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
+from cardan.render.check_texts import limit_text
 from cardan.render.i18n import Translator
 from cardan.render.phrases import check_location, citation
 from cardan.schema.node_reader import ReferencedFile
@@ -198,6 +199,7 @@ def check_to_json(c: Check, found: Approval, say: Translator) -> Json:
         "where": check_location(c, say, several=len(found.line_responses) > 1),
         "value": round_significant(c.value / q.si_factor),
         "bound": round_significant(c.bound / q.si_factor),
+        "limit": limit_text(c, say),
         "sense": "band" if c.limit.band else c.limit.sense,
         "unit": q.unit_symbol,
         "margin": round_significant(c.margin),

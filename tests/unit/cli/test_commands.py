@@ -93,9 +93,9 @@ def test_colour_is_printed_on_terminal_only(small):
 @pytest.mark.parametrize(
     ("speed", "slope", "word", "code"),
     [
-        (2500, 3.5, "PASS", 0),
-        (2500, 2.8, "WARN", 0),  # its needles hardly roll
-        (13000, 3.5, "FAIL", 1),
+        (2500, 3.5, "APPROVED", 0),
+        (2500, 2.8, "APPROVED WITH WARNINGS", 0),  # its needles hardly roll
+        (13000, 3.5, "NOT APPROVED", 1),
         (0, 3.5, "INCOMPLETE", 1),
     ],
 )
@@ -120,10 +120,10 @@ def test_several_files_get_one_line_each_and_a_count(tmp_path):
     bad = written(tmp_path, SMALL.replace("2500", "13000"), "bad.yaml")
     first, second, third, count = run("check", good, bad, good).stdout.splitlines()
     assert first == third
-    assert first.startswith(f"{good}  PASS: ")
-    assert second.startswith(f"{bad}   FAIL: ")
+    assert first.startswith(f"{good}  APPROVED: ")
+    assert second.startswith(f"{bad}   NOT APPROVED: ")
     assert " (max " in second
-    assert count == "3 files: 2 pass, 1 fail"
+    assert count == "3 files: 2 approved, 1 not approved"
     assert "Variants side by side" in run("check", "--all", good, bad).stdout
 
 
@@ -177,7 +177,7 @@ def test_missing_bracket_is_reported_as_not_evaluated(small):
     for options in (("--bracket",), ("--with", "bracket")):
         shown = run("check", *options, small).stdout
         shown = " ".join(shown.split())
-        assert "Not evaluated (input missing: bracket, with a shape): bracket stress" in shown
+        assert "Not evaluated (input missing: the shape of the bracket): bracket stress" in shown
 
 
 def test_html_report_contains_hash_of_input_file(small, tmp_path):
@@ -323,7 +323,7 @@ def test_check_does_not_import_scipy_or_matplotlib():
 def test_installed_script_runs(small):
     script = Path(sys.executable).with_name("cardan")
     result = subprocess.run([script, "check", "-q", small], capture_output=True, check=True)
-    assert result.stdout.startswith(b"One shaft: PASS (")
+    assert result.stdout.startswith(b"One shaft: APPROVED (")
 
 
 # --------------------------------------------------------------------------- wrong files
@@ -429,15 +429,36 @@ def test_fix_proposal_is_confirmed_by_check_of_changed_file(tmp_path):
     (move,) = best["moves"]
     assert (best["verdict"], move["what"], move["part"]) == ("pass", "shim", 1)
     changed = text.replace("7.5", f"{7.5 + move['amount_deg']}")
-    assert run("check", "-q", written(tmp_path, changed)).stdout.startswith("One shaft: PASS")
+    assert run("check", "-q", written(tmp_path, changed)).stdout.startswith("One shaft: APPROVED")
+
+
+def test_fix_writes_file_that_checks_as_proposed(tmp_path):
+    """A body builder's file holds slopes: a shim in degrees had to be written into it by hand."""
+    text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
+    file, out = written(tmp_path, text + "adjust: {shim_deg: [-4, 4]}\n"), tmp_path / "out.yaml"
+    result = run("fix", "--write", str(out), file)
+    assert result.exit_code == 0
+    assert "driveline.slopes.side_deg[3]: 7.5 -> " in result.stdout
+    assert f"Check of {out}: APPROVED" in " ".join(result.stdout.split())
+    assert run("check", "-q", str(out)).stdout.startswith("One shaft: APPROVED (")
+    kept = out.read_bytes()
+    again = run("fix", "--write", str(out), file)
+    assert (again.exit_code, again.stderr) == (
+        2, f"error: {out} is there already: choose another name\n")  # fmt: skip
+    other = tmp_path / "other.yaml"
+    none = run("fix", "-q", "--write", str(other), "--proposal", "9", file)
+    assert none.exit_code == 2
+    assert "nothing is written: proposal 9 of " in none.stderr
+    assert out.read_bytes() == kept
+    assert not other.exists()
 
 
 def test_fix_prints_correction_in_workshop_terms(tmp_path):
     text = SMALL.replace("[4.0, 2.0, 4.0]", "[4.0, 2.0, 7.5]").replace("2500", "3600")
     result = run("fix", "--all", written(tmp_path, text + "adjust: {shim_deg: [-4, 4]}\n"))
-    assert "pinion nose down" in result.stdout
-    said = next(line for line in result.stdout.splitlines() if line.startswith("1. PASS, "))
-    down = float(result.stdout.split("pinion nose down ")[1].split(" deg")[0])
+    assert "pinion angle -" in result.stdout
+    said = next(line for line in result.stdout.splitlines() if line.startswith("1. APPROVED, "))
+    down = float(result.stdout.split("pinion angle -")[1].split("°")[0])
     changed = written(tmp_path, text.replace("7.5]", f"{7.5 - down}]"))
     margin = re.search(r"smallest margin that moving changes (\S+ %)", said)[1]
     assert f"smallest margin {margin}" in run("check", changed, "--all").stdout
@@ -827,9 +848,9 @@ def test_fix_explains_why_single_correction_is_not_proposed():
     """The van's shim answers its joint angle, and passes what another joint may accelerate by."""
     said = " ".join(run("fix", "--all", EXAMPLES / "van.yaml").stdout.split())
     assert said.startswith("Nothing that may be moved, within `adjust`")
-    assert "pinion nose up 1 deg gives 2.518, but then fail: Single-joint acceleration" in said
+    assert "pinion angle +1° (shim) gives 2.518, but then fail: Single-joint acceleration" in said
     told = " ".join(run("check", "--moves", EXAMPLES / "van.yaml").stdout.split())
-    assert "pinion nose up 1 deg gives 2.518, but then fail: Single-joint acceleration" in told
+    assert "pinion angle +1° (shim) gives 2.518, but then fail: Single-joint acceleration" in told
 
 
 @pytest.mark.slow

@@ -123,6 +123,11 @@ def test_application_with_placeholders_is_never_approved(job, tmp_path):
     assert "input missing: values in place of placeholders" in checked.stdout
     assert "driveline.points_mm" in " ".join(checked.stdout.split())
     assert approve_application(reader.read(out)).checks == ()
+    for option in ("--states", "--all", "--phasings"):
+        shown = run("check", out, option).stdout
+        assert "Results by state: not evaluated; these keys hold placeholders" in shown
+        assert "Joint angle, joint 1  " not in shown
+        assert "as installed" not in shown
     for command in ("fix", "size"):
         refused = run(command, out)
         assert refused.exit_code == 2

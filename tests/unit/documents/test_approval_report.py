@@ -56,8 +56,7 @@ from cardan.render.i18n import (
     message_catalogue,
 )
 from cardan.render.pdf import _document_data, page_images, pdf_document
-from cardan.render.phrases import approval_counts_text, limit_sense_symbol
-from cardan.render.screen_layout import approval_text
+from cardan.render.phrases import approval_counts_text, limit_sense_symbol, verdict_text
 from cardan.render.state_table import state_table_sections
 from cardan.render.svg import VERDICT_COLOURS
 from cardan.render.xlsx import column_letters
@@ -302,7 +301,7 @@ def test_page_anchors_are_unique(told):
 def test_page_shows_verdict_first(told, truck):
     text = html_page(told["en"])
     body = text[text.index("<body>") :]
-    verdict = approval_text(truck, ENGLISH)
+    verdict = verdict_text(truck, ENGLISH)
     assert body.index(verdict) < body.index("What to change") < body.index("Revisions")
 
 
@@ -752,7 +751,7 @@ def test_vibration_chapter_matches_stability_command(truck):
     said, distances, limits, *tables, modes, drawn = chapter(
         whole, "Vibration and stability"
     ).blocks
-    assert said.paragraphs[0].startswith("Vibration: WARN")
+    assert said.paragraphs[0].startswith("Vibration: APPROVED WITH WARNINGS")
     assert said.paragraphs[1] == "Given in place of parts: axle 3.000 kg m²."
     assert said.paragraphs[2].startswith("Assumed: ")
     names = [r[0] for r in distances.rows]
@@ -783,7 +782,7 @@ def test_unstable_vibration_fails_in_chapter_and_headline(truck):
     )
     assert whole.grade == "fail"  # the headline is never better than a chapter
     said, _, limits, *_, modes, _ = chapter(whole, "Vibration and stability").blocks
-    assert said.paragraphs[0].startswith("Vibration: FAIL")
+    assert said.paragraphs[0].startswith("Vibration: NOT APPROVED")
     assert limits.grades[0][0] == "fail"
     assert limits.rows[0][1] in {"Growth of torsional vibration", "Vibratory torque / endurance"}
     assert any(VERDICT_COLOURS["fail"] in f.svg for f in modes.figures)

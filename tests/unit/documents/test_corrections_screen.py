@@ -13,6 +13,7 @@ from cardan.core.verdict import Check, Limit
 from cardan.documents.corrections_screen import MAX_LINES, correction_screen_lines
 from cardan.documents.criteria import criteria_of
 from cardan.render.i18n import LANGUAGE_CODES, Translator
+from cardan.render.phrases import VERDICT_TEXTS
 from cardan.render.text_layout import without_colours
 from cardan.topics.design.correction import Correction
 from cardan.topics.design.corrections import find_corrections
@@ -84,11 +85,11 @@ def test_proposal_from_fail_to_warn_is_compared_with_its_own_limit(proposals):
 def test_proposal_row_counts_criteria_and_names_moves(proposals):
     lines = screen(proposals)
     assert lines[0].endswith("  NOT APPROVED")
-    installed = next(line for line in lines if "as installed" in line and "fail" in line)
+    installed = next(line for line in lines if "as installed" in line and "not approved" in line)
     first = next(line for line in lines if line.startswith("1  pinion angle -"))
     for row, of in ((installed, proposals[0].installed_approval), (first, proposals[0].approval)):
         number = Counter(c.grade for c in criteria_of(of.checks))
-        assert re.search(rf" {of.verdict} +{number['fail']} +{number['warn']} ", row)
+        assert re.search(rf" {VERDICT_TEXTS[of.verdict]} +{number['fail']} +{number['warn']} ", row)
     assert proposals[0].verdict == "pass"
 
 

@@ -246,9 +246,9 @@ def test_report_draws_requested_state_or_worst_state():
 
     worst = min((c for c in TRUCK.checks if c.grade == "fail"), key=lambda c: c.margin)
     assert (
-        drawn(None) == f"The line in {check_state_phrase(worst, say)}, from the left, true to scale"
+        drawn(None) == f"The line ({check_state_phrase(worst, say)}) from the left, true to scale"
     )
-    assert drawn("gvw") == "The line in gvw, from the left, true to scale"
+    assert drawn("gvw") == "The line (gvw) from the left, true to scale"
     with pytest.raises(CardanError, match="there is no state gw to draw; there are: full rebound"):
         drawn("gw")
     told = story.approval_report_from_results(

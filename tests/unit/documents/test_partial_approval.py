@@ -29,7 +29,7 @@ SHAFT = SLOPES.replace("{}", "{length_mm: 1200, tube: 100x3}")
 SPEED, STRENGTH = "critical_speed_ratio", "tube_shear_utilisation"
 HEADLINES = {
     "en": "angles approved; speed and strength not evaluated",
-    "pt": "ângulos aprovados; velocidade e resistência não avaliadas",
+    "pt": "ângulos aprovados; rotação e resistência não avaliadas",
     "it": "angoli conformi; velocità e resistenza non valutate",
 }
 
@@ -52,10 +52,10 @@ def check(folder, text: str, *options: str):
         (SHAFT.replace("torque_Nm: 3000\n", ""), "angles approved; strength not evaluated"),
         (SHAFT.replace("tube: 100x3", "tube: {outer_mm: 100, wall_mm: 3, material: steel}"),
          "angles approved; strength not evaluated"),  # a steel without a strength
-        (SHAFT, "PASS"),
+        (SHAFT, "APPROVED"),
         (SLOPES.replace("4.0]", "2.7]"), "angles approved with warnings; speed and strength not "
          "evaluated"),
-        (SLOPES.replace("[4.0", "[20.0"), "FAIL"),
+        (SLOPES.replace("[4.0", "[20.0"), "NOT APPROVED"),
     ],
 )  # fmt: skip
 def test_headline_says_what_is_not_evaluated(text, said):
@@ -69,7 +69,7 @@ def test_every_medium_has_the_headline(tmp_path, lang):
     assert headline(SLOPES, lang) == said
     printed = check(tmp_path, SLOPES, "--lang", lang, "--html", str(tmp_path / "line.html"))
     assert said in " ".join(printed.stdout.split())
-    assert "PASS" not in printed.stdout
+    assert "APPROVED" not in printed.stdout
     page = (tmp_path / "line.html").read_text(encoding="utf-8")
     assert said in re.sub(r"<[^>]+>", "", page)
     document = json.loads(check(tmp_path, SLOPES, "--json").stdout)
@@ -93,7 +93,7 @@ def test_workbench_shows_the_headline():
     read = parse_document(SLOPES, "line.yaml", None)
     assert _full_result(read, {}, ENGLISH, lambda _: None)["headline"] == HEADLINES["en"]
     whole = parse_document(SHAFT, "line.yaml", None)
-    assert _full_result(whole, {}, ENGLISH, lambda _: None)["headline"] == ""
+    assert _full_result(whole, {}, ENGLISH, lambda _: None)["headline"] == "APPROVED"
 
 
 LONG = SHAFT.replace("length_mm: 1200", "length_mm: 2600")

@@ -135,7 +135,7 @@ limits: [{quantity: joint_angle, normal: 3, source: us}]
 """
     (one,) = check_sensitivities(approve_driveline(reader.loads(text)))
     (said,) = helpful_adjustment_phrases(one, ENGLISH)
-    assert said == "pinion nose down 1 deg gives 2.500"
+    assert said == "pinion angle -1° (shim) gives 2.500"
 
 
 def test_single_corrections_are_given_for_warnings():
@@ -261,7 +261,7 @@ def test_shim_correction_lists_failures_of_inter_axle_line():
     )
     assert force < static.check.value - 300
     assert (
-        f"pinion nose down 1 deg gives {force:.0f}, but then fail: inter-axle: Joint angle" in told
+        f"pinion angle -1° (shim) gives {force:.0f}, but then fail: inter-axle: Joint angle" in told
     )
     failed, fails = (
         {(c.line, c.quantity) for c in of.checks if c.grade == "fail"} for of in (before, after)

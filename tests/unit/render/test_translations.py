@@ -107,7 +107,7 @@ def test_source_citation_is_translated_piece_by_piece():
     say = Translator("pt")
     said = "normal 0.67 (safety 1.5): House practice, assumed; maximum 1: Dana, Rating, table 2"
     assert say.source(said) == (
-        "normal 0,67 (segurança 1,5): Prática da casa, suposta; máximo 1: Dana, Rating, tabela 2"
+        "normal 0,67 (segurança 1,5): Critério interno, adotado; máximo 1: Dana, Rating, tabela 2"
     )
     assert ENGLISH.source(said) == said
 

@@ -34,8 +34,9 @@ from cardan.checks.line_response import compute_line_response
 from cardan.cli import cli
 from cardan.core.errors import CardanError, InvalidFileError, MissingDependencyError
 from cardan.core.verdict import worst_first_key
+from cardan.documents.first_screen import count_criteria_not_evaluated, criteria_count_text
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
-from cardan.render.i18n import LANGUAGE_CODES, Translator
+from cardan.render.i18n import ENGLISH, LANGUAGE_CODES, Translator
 from cardan.render.json_contract import check_json
 from cardan.schema.yaml_tree import MAX_FILE_CHARACTERS
 from cardan.topics.recording import campaign_schema as campaign
@@ -121,7 +122,10 @@ def test_live_and_full_messages_contain_every_check(path):
     found = approve_application(reader.loads(text))
     live, full = asked(text), asked(text, "full")
     assert full["verdict"] == found.verdict
-    assert full["missed"] == len(found.coverage.unevaluated)
+    assert full["missed"] == count_criteria_not_evaluated(found)
+    if full["missed"]:
+        assert f"; {full['missed']} not evaluated" in criteria_count_text(found, ENGLISH)
+    assert ", ".join(full["counted"].values()) in criteria_count_text(found, ENGLISH)
     cells = {}
     for row in (*live["limits"], *full["limits"]):
         for s, state in enumerate(live["states"]):

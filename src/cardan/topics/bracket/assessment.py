@@ -401,7 +401,7 @@ def _unanswered(
 
 def _bracket(application: Application) -> Bracket:
     if application.bracket is None:
-        msg = "the application has no bracket: give it a `bracket` with a shape"
+        msg = "the application has no bracket: add `bracket` with its shape"
         raise DesignError(msg)
     return application.bracket
 

@@ -28,7 +28,7 @@ class BracketStudy:
 
     def missing_inputs(self, application: Application) -> tuple[str, ...]:
         """Return what the application would have to give."""
-        return () if application.bracket else ("bracket, with a shape",)
+        return () if application.bracket else ("the shape of the bracket",)
 
     def run(
         self, application: Application, tell: ProgressCallback = ignore_status

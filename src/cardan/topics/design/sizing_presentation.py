@@ -111,7 +111,11 @@ def _further_shaft_table(of: SizingResult, say: Translator) -> Iterator[str]:
                 for c in (was, now)
             )
             bound = f"{limit_sense_symbol(now, say)} {say.number(now.bound / factor)} {unit}"
-            rows.append((say.name(now.quantity), before, after, bound.rstrip()))
+            name = say.name(now.quantity)
+            if sum(quantity == now.quantity for quantity, _ in proposed) > 1:
+                only = now.limit.normal is None and now.limit.band is None
+                name += f" ({say('maximum' if only else 'recommended')})"
+            rows.append((name, before, after, bound.rstrip()))
         yield ""
         yield say("Line {line}, today and with the further shaft", line=name)
         yield from (f"  {line}" for line in aligned_column_lines(rows, words=(0, 3)))

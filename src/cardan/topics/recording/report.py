@@ -23,9 +23,9 @@ from cardan.render.phrases import (
     grouped_unevaluated_lines,
     limit_sense_symbol,
     value_and_bound,
+    verdict_word,
     worst_check_per_limit,
 )
-from cardan.render.screen_layout import VERDICT_TEXTS
 from cardan.topics.recording.campaign_assessment import CampaignAssessment
 from cardan.topics.recording.chapter import campaign_chapters as recorded
 from cardan.topics.recording.chapter import recording_blocks
@@ -92,7 +92,7 @@ def _recorded(
         subtitle=say("Recording: damage, life and cause"),
         # Nothing evaluated is nothing approved.
         grade=verdict or "incomplete",
-        verdict=say(VERDICT_TEXTS[verdict]).upper() if verdict else say("No limit given"),
+        verdict=verdict_word(verdict, say) if verdict else say("no limit given").upper(),
         facts=(
             *(((say("Limits"), profile),) if profile else ()),
             *_stamp_facts(issue, more, say),

@@ -19,10 +19,9 @@ from cardan.physics.signals.attribution_result import (
 from cardan.physics.signals.damage_attribution import CAUSE_JOINTS, ShapleyAttribution
 from cardan.render.check_texts import limit_text, uncapitalised, unit_text, value_text
 from cardan.render.i18n import ENGLISH, Translator
-from cardan.render.phrases import grouped_unevaluated_lines
+from cardan.render.phrases import grouped_unevaluated_lines, verdict_word
 from cardan.render.screen_layout import (
     GRADE_MARKS,
-    VERDICT_TEXTS,
     capped_item_lines,
     capped_list_lines,
     more_text,
@@ -153,7 +152,7 @@ def _title_lines(
 ) -> list[str]:
     title = of.recording.name if isinstance(of, RecordingAssessment) else of.title
     verdict = assessment_verdict(found)
-    said = say("no limit given" if verdict is None else VERDICT_TEXTS[verdict]).upper()
+    said = say("no limit given").upper() if verdict is None else verdict_word(verdict, say)
     return title_and_verdict_lines(title, said, verdict or "incomplete", width)
 
 

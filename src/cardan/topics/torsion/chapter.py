@@ -10,7 +10,12 @@ from cardan.core.verdict import Check, worst_first_key
 from cardan.render.blocks import Block, Chapter, Figures, Table, Text
 from cardan.render.check_screen import worst_check_of_each_part
 from cardan.render.i18n import Translator
-from cardan.render.phrases import check_counts_text, limit_sense_symbol, value_and_bound
+from cardan.render.phrases import (
+    check_counts_text,
+    limit_sense_symbol,
+    value_and_bound,
+    verdict_word,
+)
 from cardan.topics.torsion.presentation import (
     assumption_lines,
     resonance_margins,
@@ -40,7 +45,7 @@ def vibration_blocks(found: StudyResult[VibrationResult], say: Translator) -> It
     of = found.answer
     assert of is not None  # of a study that answered
     verdict = say("Vibration: {verdict} ({counts}).",
-                  verdict=say(verdict_of(found.checks, missed=False)).upper(),
+                  verdict=verdict_word(verdict_of(found.checks, missed=False), say),
                   counts=check_counts_text(found.checks, say))  # fmt: skip
     hint = say("0 % runs through it; − stays below its speed, + above.")
     doubts = (say("Not evaluated: {what}.", what=doubt) for doubt in of.doubts)

@@ -9,6 +9,7 @@ from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.verdict import CHECK_GRADES, VERDICTS, Limit
 from cardan.render.blocks import Table
 from cardan.render.i18n import ENGLISH, Translator
+from cardan.render.phrases import VERDICT_TEXTS
 from cardan.render.terminal import report_table_lines
 from cardan.topics.variants.evaluation import UNEVALUATED_GRADE_CODE
 from cardan.topics.variants.rare_failure import MAX_FAILURE_DISTANCE_SD
@@ -539,7 +540,7 @@ def _worst(of: VariantStudyResult, say: Translator) -> Table:
     state = of.statistics["worst"]
     many = range(min(len(state["place"]), 5))
     rows = [
-        (say("verdict"), *(say(VERDICTS[int(state["verdict"][k])]) for k in many)),
+        (say("verdict"), *(say(VERDICT_TEXTS[VERDICTS[int(state["verdict"][k])]]) for k in many)),
         (say("smallest margin"), *(say.margin_percent(float(state["margin"][k])) for k in many)),
         (say("limit"), *(deciding_limit_name(of, int(state["limit"][k]), say) for k in many)),
         *(
@@ -591,7 +592,7 @@ def _front(of: VariantStudyResult, say: Translator) -> Iterator[Table]:
             rows=tuple(
                 (
                     str(int(state["place"][k])),
-                    say(VERDICTS[int(state["verdict"][k])]),
+                    say(VERDICT_TEXTS[VERDICTS[int(state["verdict"][k])]]),
                     *(shown(g, float(v)) for g, v in zip(goals, state["goals"][k], strict=True)),
                     *(
                         say.compact_number(float(state["inputs"][k, i]), 4 if numbered else 5)

@@ -9,7 +9,7 @@ from cardan.render.blocks import (
     Text,
 )
 from cardan.render.i18n import ENGLISH, Translator
-from cardan.render.phrases import document_stamp_facts
+from cardan.render.phrases import document_stamp_facts, verdict_word
 from cardan.topics.variants.presentation import (
     percent_text,
     remark_lines,
@@ -49,7 +49,7 @@ def report(
         grade=of.installed.verdict,
         verdict=say("yield {share}", share=fit),
         facts=(
-            (say("As it is"), say(of.installed.verdict).upper()),
+            (say("As it is"), verdict_word(of.installed.verdict, say)),
             (
                 say("May be built"),
                 f"{fit} ({percent_text(low, say, 2)} … {percent_text(high, say, 2)})",

@@ -6,10 +6,9 @@ import numpy as np
 
 from cardan.core.verdict import Verdict
 from cardan.render.i18n import ENGLISH, Translator
-from cardan.render.phrases import unevaluated_limit_lines
+from cardan.render.phrases import VERDICT_TEXTS, unevaluated_limit_lines
 from cardan.render.screen_layout import (
     GRADE_MARKS,
-    VERDICT_TEXTS,
     capped_item_lines,
     capped_list_lines,
     more_text,

@@ -583,7 +583,7 @@ def test_bracket_page_and_picture_show_its_verdict(tmp_path, monkeypatch):
     assert done.exit_code == 1
     said = " ".join(done.stdout.split())
     headline = said[: said.index(")") + 1]
-    assert headline.startswith("Two-piece line: FAIL (")
+    assert headline.startswith("Two-piece line: NOT APPROVED (")
     assert f"<strong>{headline}</strong>" in page.read_text(encoding="utf-8")
     assert over == [headline]
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
@@ -594,4 +594,4 @@ def test_bracket_check_without_bracket_names_missing_input(tmp_path):
     done = CliRunner().invoke(cli, ["check", str(tmp_path / "a.yaml"), "--bracket"])
     assert done.exit_code == 1
     assert "INCOMPLETE" in done.output
-    assert "bracket, with a shape" in " ".join(done.output.split())
+    assert "the shape of the bracket" in " ".join(done.output.split())

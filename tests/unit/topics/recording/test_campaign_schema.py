@@ -186,7 +186,7 @@ def test_target_life_applies_to_campaign_mix(folder):
     assert re.search(r"^Bracket on two routes +NOT APPROVED$", done.output, re.MULTILINE)
     assert ": 2 exceeded, 0 met;" in done.output
     whole = run("life", folder / "c.yaml", "--all")
-    assert "Bracket on two routes: FAIL (2 fail, 0 warn, 0 pass)" in whole.output
+    assert "Bracket on two routes: NOT APPROVED (2 fail, 0 warn, 0 pass)" in whole.output
     assert "of the mix" in whole.output
 
 

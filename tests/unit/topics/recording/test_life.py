@@ -489,7 +489,7 @@ def profile(folder, normal):
 def test_missed_target_life_fails(broken):
     done = run(broken, *ONE, "--target-hours", "1e9", "--all")
     assert done.exit_code == 1, done.output
-    assert "broken.csv: FAIL (1 fail, 0 warn, 0 pass)" in done.output
+    assert "broken.csv: NOT APPROVED (1 fail, 0 warn, 0 pass)" in done.output
     assert "given with the recording" in done.output
     assert "-100 %" in done.output
 
@@ -500,7 +500,7 @@ def test_life_equal_to_target_passes(broken):
     assert run(broken, *ONE, "--target-hours", repr(hours)).exit_code == 0
     assert run(broken, *ONE, "--target-hours", repr(1.001 * hours)).exit_code == 1
     done = run(broken, *ONE, "--target-hours", repr(hours), "--all")
-    assert "broken.csv: PASS (0 fail, 0 warn, 1 pass)" in done.output
+    assert "broken.csv: APPROVED (0 fail, 0 warn, 1 pass)" in done.output
 
 
 def test_life_between_normal_and_maximum_limit_warns(broken, tmp_path):
@@ -508,13 +508,13 @@ def test_life_between_normal_and_maximum_limit_warns(broken, tmp_path):
     rows = profile(tmp_path, 2 * hours_of(broken))
     done = run(broken, *ONE, "--limits", rows, "--all")
     assert done.exit_code == 0, done.output
-    assert "broken.csv: WARN (0 fail, 1 warn, 1 pass)" in done.output
+    assert "broken.csv: APPROVED WITH WARNINGS (0 fail, 1 warn, 1 pass)" in done.output
     assert "limits: ours" in done.output
     assert "our rule 1" in done.output
     assert "no business" not in done.output
     both = run(broken, *ONE, "--limits", rows, "--target-hours", "1e9", "--all")
     assert both.exit_code == 1
-    assert "FAIL (1 fail, 1 warn, 1 pass)" in both.output
+    assert "NOT APPROVED (1 fail, 1 warn, 1 pass)" in both.output
 
 
 @pytest.mark.parametrize("gauge", ["S2", "S3"])
@@ -562,7 +562,7 @@ def test_life_without_limits_has_no_verdict(broken):
     assert (done.exit_code, screen.exit_code) == (0, 0)
     said = "No limit given: --target-hours or --limits compare the gauges' lives with a limit."
     assert done.output.splitlines()[0] == said
-    assert not {"PASS", "FAIL", "INCOMPLETE", "WARN"} & set(done.output.split())
+    assert not {"APPROVED", "INCOMPLETE"} & set(done.output.split())
     document = json.loads(run(broken, *ONE, "--json").output)
     assert document["verdict"] is None
     assert document["checks"] == []
@@ -604,7 +604,7 @@ def test_infinite_life_passes(broken):
     done = run(broken, "--gauge", "S1", "--sn", "300,2e6,5", "--miner", "original",
                "--target-hours", "1e9", "--all")  # fmt: skip
     assert done.exit_code == 0, done.output
-    assert "PASS" in done.output
+    assert "APPROVED" in done.output
     assert "∞" in done.output
 
 
