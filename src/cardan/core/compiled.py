@@ -15,7 +15,7 @@ A check of one design and its corrections stay below: to import numba costs more
 def is_compiled_batch(cases: tuple[int, ...], *, points: int = 1) -> bool:
     """Return whether a batch is large enough for loops that numba compiles.
 
-    `cases` are variants and states; or so many `points` of each too, told from them no more.
+    `cases` are variants and states; or `points` of each too, all in one axis.
     """
     return prod(cases) >= points * COMPILED_MIN_CASES
 
