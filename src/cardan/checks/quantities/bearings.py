@@ -202,11 +202,12 @@ NEEDS_THRUST_EQUILIBRIUM = Requirement(
 
 
 def _within_stop(r: LineResponse, kind: str) -> BoolArray:
-    """Return whether the rubber of each bearing stays within a stop that is known, (..., n-2)."""
+    """Return whether rubber stays within a stop that is known, or is solved with it, (..., n-2)."""
     worst = r.mount_loads.worst_bearing_travel if _stopped(r) else None
     if worst is None:
         return np.ones((1, 1), dtype=bool)
-    return ~(getattr(worst.results, kind) > r.mount_loads.mount_stop_travel)
+    beyond = getattr(worst.results, kind) > r.mount_loads.mount_stop_travel
+    return ~beyond | r.mount_loads.is_solved_at_stop
 
 
 NEEDS_MEAN_WITHIN_STOP, NEEDS_PEAK_WITHIN_STOP = (
@@ -301,10 +302,10 @@ DECLARATIONS = (
         },
         source=SOURCE_DERIVED,
         validity=_ON_RUBBER,
-        compute=lambda r: r.mount_loads.bearing_force("static"),
-        validity_margin=lambda r: r.mount_loads.stop_margin("static"),
+        compute=lambda r: r.mount_loads.evaluated_force("static"),
+        validity_margin=lambda r: r.mount_loads.force_validity_margin("static"),
         lower_bound=lambda r: r.mount_loads.force_at_stop("static"),
-        find_worst_points=lambda r: r.mount_loads.worst_bearing_forces.get("static"),
+        find_worst_points=lambda r: r.mount_loads.evaluated_points("static"),
         depends_on_mounts=True,
         parts=all_centre_bearings,
         requirements=(
@@ -341,10 +342,10 @@ DECLARATIONS = (
         },
         source=SOURCE_DERIVED,
         validity=_ON_RUBBER,
-        compute=lambda r: r.mount_loads.bearing_force("dynamic"),
-        validity_margin=lambda r: r.mount_loads.stop_margin("peak"),
+        compute=lambda r: r.mount_loads.evaluated_force("dynamic"),
+        validity_margin=lambda r: r.mount_loads.force_validity_margin("peak"),
         lower_bound=lambda r: r.mount_loads.force_at_stop("dynamic"),
-        find_worst_points=lambda r: r.mount_loads.worst_bearing_forces.get("dynamic"),
+        find_worst_points=lambda r: r.mount_loads.evaluated_points("dynamic"),
         has_resonance=True,
         depends_on_mounts=True,
         parts=all_centre_bearings,
@@ -374,10 +375,10 @@ DECLARATIONS = (
         },
         source=SOURCE_DERIVED,
         validity=_ON_RUBBER,
-        compute=lambda r: r.mount_loads.bearing_force("peak"),
-        validity_margin=lambda r: r.mount_loads.stop_margin("peak"),
+        compute=lambda r: r.mount_loads.evaluated_force("peak"),
+        validity_margin=lambda r: r.mount_loads.force_validity_margin("peak"),
         lower_bound=lambda r: r.mount_loads.force_at_stop("peak"),
-        find_worst_points=lambda r: r.mount_loads.worst_bearing_forces.get("peak"),
+        find_worst_points=lambda r: r.mount_loads.evaluated_points("peak"),
         has_resonance=True,
         depends_on_mounts=True,
         parts=all_centre_bearings,

@@ -1,0 +1,404 @@
+"""What centre bearings carry where their rubber meets its stop, solved by harmonic balance.
+
+A line is solved again in the states in which linear rubber would go beyond a stop, along each of
+its curves of torque over speed on which it does. Between the stops the motion is that of linear
+rubber, so everywhere else the linear answer holds.
+"""
+
+import numpy as np
+
+from cardan.checks.line_on_mounts import LineOnMounts
+from cardan.checks.operating_envelope import PointRows
+from cardan.checks.operating_point_results import OperatingPointResults, largest_point, point_rows
+from cardan.core.arrays import BoolArray, FloatArray, IntArray
+from cardan.core.lazy_dataclass import dataclass
+from cardan.physics.kinematics.joint_chain import rotate_chain
+from cardan.physics.loads.centre_bearing import bearing_forces
+from cardan.physics.loads.rubber_mount import MountedLine
+from cardan.physics.loads.rubber_stop_response import (
+    StoppedLine,
+    StoppedMotion,
+    all_motions,
+    at_places,
+    components,
+    forces_at_stop,
+    stop_receptance,
+)
+from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
+from cardan.physics.vehicle.operating_points import (
+    LineOperatingPoints,
+    demand_at_operating_points,
+)
+
+FORCE_KINDS = ("static", "dynamic", "peak")
+
+NEAR_STOP_SHARE = 0.97
+"""Of the travel to its stop, from which on linear rubber's motion is followed."""
+
+SPEED_REACH = (0.7, 2.2)
+"""How far below and above the speeds of such motions they are followed."""
+
+SPEED_COUNT = 48
+"""Speeds at which a line is evaluated there; between two it is taken as linear."""
+
+_LARGEST_GAP = 2.5
+"""Speeds of the grid between two motions found, beyond which a line is not solved."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StopResponse:
+    """Forces of the bearings of states in which rubber meets its stop; R ratios of stiffness.
+
+    Attributes
+    ----------
+    ratios : (R, n-2) 1
+        Stiffness beyond the stop over that before it, smallest first.
+    is_solved : (S,)
+        Whether the line meets a stop in a state and its motion is found.
+    forces : (R, S, n-2) N, by `FORCE_KINDS`
+        Largest at any operating point of the state. Of a state that is not solved, at least
+        that; nan of one that meets no stop.
+    points
+        The points (S, n-2) of the largest of them, at its ratio.
+    travel : (R, S, n-2) m
+        Largest way across the shaft.
+    """
+
+    ratios: FloatArray
+    is_solved: BoolArray
+    forces: dict[str, FloatArray]
+    points: dict[str, LineOperatingPoints]
+    travel: FloatArray
+
+    def force(self, kind: str) -> FloatArray:
+        """Return one of `FORCE_KINDS` with the ratio that makes it largest, (S, n-2) N."""
+        return self.forces[kind].max(axis=0)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sweeps:
+    """Curves along which a line is followed, C of them, and between what speeds rad/s."""
+
+    state: IntArray
+    curve: IntArray
+    low: FloatArray
+    high: FloatArray
+
+    @property
+    def speeds(self) -> FloatArray:
+        """The speeds of the grid, (Q, C) rad/s: as close above as a mode is wide there."""
+        first = np.maximum(self.low, self.high / SPEED_REACH[1] / 4)
+        share = np.linspace(0, 1, SPEED_COUNT - 1)[:, None]
+        grid = first * (self.high / first) ** share
+        start = np.where(self.low < first, self.low, 0.5 * (3 * grid[0] - grid[1]))
+        return np.concatenate([np.minimum(start, grid[0])[None], grid])
+
+    def holds(self, curve: IntArray, speed: FloatArray) -> BoolArray:
+        """Return which of points (P, S) lie on them."""
+        found = np.zeros(curve.shape, dtype=bool)
+        for s, c, low, high in zip(self.state, self.curve, self.low, self.high, strict=True):
+            found[:, s] |= (curve[:, s] == c) & (speed[:, s] >= low) & (speed[:, s] <= high)
+        return found
+
+
+def stop_response(
+    mounts: LineOnMounts,
+    travel: OperatingPointResults,
+    forces: OperatingPointResults,
+    *,
+    stop: FloatArray,
+    ratios: FloatArray,
+    states: BoolArray,
+    held: MountedLine,
+) -> StopResponse | None:
+    """Return what bearings carry in `states` (S,) in which linear rubber goes beyond its stop.
+
+    Parameters
+    ----------
+    travel, forces
+        How far linear rubber goes at points (P, S), and what it carries.
+    stop : (n-2,) m
+    ratios : (R, n-2)
+    held
+        How the line can move on its rubber.
+    """
+    sweeps = _sweeps(mounts, travel, stop, states)
+    if not len(sweeps.state):
+        return None
+    grid = _Grid.of(mounts, sweeps, held)
+    solved = np.zeros(len(states), dtype=bool)
+    solved[sweeps.state] = True
+    of, thrust = grid.cases(stop)
+    count = len(ratios)
+    each = np.tile(of, count)
+    line = grid.line(each, np.tile(thrust, count), stop, np.repeat(ratios, len(of), axis=0))
+    motion = all_motions(line)
+    loose = np.tile(grid.is_thrust_unsettled(of, thrust, stop), count)
+    lost = loose | ~_is_followed(motion.place, line)
+    solved[sweeps.state[each[lost]]] = False
+    sizes = grid.sizes(line, motion, each, np.tile(thrust, count))
+    others = _others(mounts, forces, sweeps)
+    speeds = at_places(sweeps.speeds, motion.place, each)
+    shape = (len(states), len(stop))
+    best: dict[str, FloatArray] = {}
+    points: dict[str, LineOperatingPoints] = {}
+    for kind in FORCE_KINDS:
+        linear = others[kind]
+        own = np.tile(np.nan_to_num(getattr(linear.results, kind), nan=-np.inf), (count, 1, 1))
+        most, curve, speed = own[0].copy(), linear.curve_index.copy(), linear.speed.copy()
+        size = np.where(np.isnan(motion.place)[..., None], -np.inf, sizes[kind])
+        top = size.argmax(axis=0)
+        largest = np.take_along_axis(size, top[None], axis=0)[0]
+        for c in np.flatnonzero(~loose).tolist():
+            r, s = c // len(of), int(sweeps.state[each[c]])
+            own[r, s] = np.maximum(own[r, s], largest[c])
+            more = largest[c] > most[s]
+            most[s] = np.where(more, largest[c], most[s])
+            curve[s] = np.where(more, sweeps.curve[each[c]], curve[s])
+            speed[s] = np.where(more, speeds[top[c], c], speed[s])
+        best[kind] = own
+        points[kind] = _points(mounts, curve, speed)
+    far = np.full((count, *shape), -np.inf)
+    size = np.where(np.isnan(motion.place)[..., None], -np.inf, sizes["travel"]).max(axis=0)
+    np.maximum.at(far, (np.arange(len(each)) // len(of), sweeps.state[each]), size)
+    met = np.zeros(len(states), dtype=bool)
+    met[sweeps.state] = True
+    known = np.where(met[:, None], 0.0, np.nan)
+    return StopResponse(
+        ratios=ratios,
+        is_solved=solved,
+        forces={k: best[k] + known for k in FORCE_KINDS},
+        points=points,
+        travel=np.where(solved[:, None], far, np.nan),
+    )
+
+
+def _points(mounts: LineOnMounts, curve: IntArray, speed: FloatArray) -> LineOperatingPoints:
+    """Return points (S, n-2) by their curves and speeds."""
+    rows = np.moveaxis(curve, -1, 0), np.moveaxis(speed, -1, 0)
+    asked = demand_at_operating_points(
+        mounts.inputs.demand, mounts.torque_curves, curve=rows[0], speed=rows[1]
+    )
+    return LineOperatingPoints(
+        curves=mounts.torque_curves,
+        curve_index=curve,
+        speed=np.moveaxis(asked.speed, 0, -1),
+        torque=np.moveaxis(asked.torque, 0, -1),
+    )
+
+
+def _sweeps(
+    mounts: LineOnMounts, travel: OperatingPointResults, stop: FloatArray, states: BoolArray
+) -> _Sweeps:
+    """Return the curves of `states` on which linear rubber comes to a stop."""
+    between: dict[tuple[int, int], list[float]] = {}
+    beyond = (np.nan_to_num(travel.results.peak) > NEAR_STOP_SHARE * stop).any(axis=-1)
+    for p, s in np.argwhere(beyond & states).tolist():
+        key = s, int(travel.curve_index[p, s])
+        between.setdefault(key, []).append(float(travel.speed[p, s]))
+    most = mounts.torque_curves.max_speed
+    keys = sorted(between)
+    low, high = SPEED_REACH
+    return _Sweeps(
+        state=np.array([s for s, _ in keys], dtype=int),
+        curve=np.array([c for _, c in keys], dtype=int),
+        low=np.array([low * min(between[k]) for k in keys]),
+        high=np.array([
+            min(high * max(max(between[s, c]), 1e-3 * most[c, s]), most[c, s]) for s, c in keys
+        ]),
+    )  # fmt: skip
+
+
+def _others(
+    mounts: LineOnMounts, forces: OperatingPointResults, sweeps: _Sweeps
+) -> dict[str, OperatingPointResults]:
+    """Return the largest linear forces (S, n-2) at points off the sweeps, by kind."""
+    off = ~sweeps.holds(forces.curve_index, forces.speed)
+
+    def left(values: FloatArray) -> FloatArray:
+        return np.where(off[..., None], values, np.nan)
+
+    tried = OperatingPointResults(
+        curves=forces.curves,
+        curve_index=forces.curve_index,
+        speed=np.where(off, forces.speed, np.nan),
+        torque=np.where(off, forces.torque, np.nan),
+        results=type(forces.results)(
+            **{k: left(getattr(forces.results, k)) for k in FORCE_KINDS},
+        ),
+    )
+    rows: PointRows = point_rows(*(largest_point(tried, kind) for kind in FORCE_KINDS))
+    exact = mounts.bearing_forces_at_points(*rows)
+    return {kind: largest_point(exact, kind) for kind in FORCE_KINDS}
+
+
+def _is_followed(place: FloatArray, line: StoppedLine) -> BoolArray:
+    """Return of which cases (C,) motions (T, C) are found all along the speeds."""
+    found = np.sort(np.where(np.isnan(place), np.inf, place), axis=0)
+    last = len(line.free) - 1.0
+    ends = np.array([[-0.0], [last]]) + 0 * place[:1]
+    every = np.sort(np.concatenate([np.minimum(found, last), ends]), axis=0)
+    return np.diff(every, axis=0).max(axis=0) <= _LARGEST_GAP
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Grid:
+    """A line on linear rubber at the speeds Q of sweeps C, in the bearings' directions.
+
+    Attributes
+    ----------
+    sweeps
+        Whose speeds they are.
+    force : (Q, C, M, 3 B) N
+        Weight included, without thrust.
+    thrust : (V, Q, C, 3 B) N
+        What thrust adds to its mean: none, pushed in, drawn out.
+    order1 : (Q, C, B) N
+    weight : (Q, C, 3 B) N
+    receptance : (Q, C, M 2B, M 2B) m/N
+    stiffness, loss : (C, B, 2) N/m, (Q, C, B) signed as the speed
+    is_cut_off : (C,)
+        Whether the speeds end before the curve does.
+    """
+
+    sweeps: _Sweeps
+    force: FloatArray
+    thrust: FloatArray
+    order1: FloatArray
+    weight: FloatArray
+    receptance: FloatArray
+    stiffness: FloatArray
+    loss: FloatArray
+
+    @classmethod
+    def of(cls, mounts: LineOnMounts, sweeps: _Sweeps, held: MountedLine) -> "_Grid":
+        """Return a line along its sweeps."""
+        inputs = mounts.inputs
+        quick = held.modal_reduction(inputs.line.rigid_body_mode_count)
+        states = inputs.layout.directions.shape[-3]
+        place = np.array([(sweeps.state[:k] == s).sum() for k, s in enumerate(sweeps.state)])
+        depth, count = int(place.max()) + 1, SPEED_COUNT
+        speed = np.full((count, depth, states), np.nan)
+        curve = np.zeros((count, depth, states), dtype=int)
+        speed[:, place, sweeps.state], curve[:, place, sweeps.state] = sweeps.speeds, sweeps.curve
+        asked = demand_at_operating_points(
+            inputs.demand,
+            mounts.torque_curves,
+            curve=curve.reshape(-1, states),
+            speed=speed.reshape(-1, states),
+        )
+        laid, how = inputs.layout_for(asked), mounts.force_inputs(asked, inertia=True)
+        found = bearing_forces(
+            laid, inputs.line, inputs.phases, held=held, **how
+        )
+        weight, _ = bearing_forces_of_weight_and_thrust(laid, inputs.line, gravity=inputs.gravity)
+        under = inputs.line.phases_under_torque(inputs.phases, how["torque"])
+        turned = rotate_chain(
+            laid.directions, phases=under, crosses=inputs.line.is_cross, samples=16
+        )
+        coupling = quick.order2_coupling(turned)
+
+        def own(values: FloatArray, own_axes: int) -> FloatArray:
+            """Return values (P, S, ...) of the sweeps, (Q, C, ...)."""
+            rest = values.shape[values.ndim - own_axes :]
+            values = np.broadcast_to(values, (count * depth, states, *rest))
+            return values.reshape(count, depth, states, *rest)[:, place, sweeps.state]
+
+        on = quick.select_states(sweeps.state.tolist())
+        signed, torque = own(how["speed"], 0), own(how["torque"], 0)
+        frame = np.broadcast_to(on.bearing_frame, (len(sweeps.state), *on.bearing_frame.shape[-3:]))
+
+        def local(values: FloatArray) -> FloatArray:
+            """Return vectors (..., C, B, 3) in the bearings' directions, (..., C, 3 B)."""
+            turned = (frame @ values[..., None])[..., 0]
+            return turned.reshape(*turned.shape[:-2], -1)
+
+        waves = np.moveaxis(own(found.waves, 3), -2, 0)  # as time goes, not as the line turns
+        waves = np.where(signed[..., None, None] < 0, np.conj(waves), waves)
+        thrust = mounts.thrust_effect(asked)
+        none = np.zeros_like(found.mean)
+        effects = [none] if thrust is None else [none, *thrust.force]
+        B = frame.shape[-3]
+        size = (len(sweeps.state), B)
+        return cls(
+            sweeps=sweeps,
+            force=components(
+                local(own(found.mean, 2)), np.moveaxis(np.stack([local(w) for w in waves]), 0, -2)
+            ),
+            thrust=np.stack([local(own(e, 2)) for e in effects]),
+            order1=own(found.order1, 1),
+            weight=local(own(weight, 2)),
+            receptance=stop_receptance(on, own(coupling, 2), speed=signed, torque=torque),
+            stiffness=np.broadcast_to(on.stiffness[..., :2], (*size, 2)),
+            loss=np.sign(signed)[..., None] * np.broadcast_to(on.loss, size),
+        )
+
+    def travel(self, of: IntArray, thrust: IntArray) -> FloatArray:
+        """Return how far linear rubber goes in sweeps under a thrust each, (Q, C', M, 2 B) m."""
+        force = self.force_of(of, thrust)
+        force[..., 0, :] -= self.weight[:, of]
+        across = force.reshape(*force.shape[:-1], -1, 3)[..., :2]
+        moved = across / self.stiffness[of][:, None]
+        eta = self.loss[:, of][..., None, :, None]
+        real, imaginary = moved[..., 1::2, :, :].copy(), moved[..., 2::2, :, :].copy()
+        scale = 1 / (1 + eta**2)
+        moved[..., 1::2, :, :] = scale * (real + eta * imaginary)
+        moved[..., 2::2, :, :] = scale * (imaginary - eta * real)
+        return moved.reshape(*moved.shape[:-2], -1)
+
+    def force_of(self, of: IntArray, thrust: IntArray) -> FloatArray:
+        """Return the linear forces of sweeps under a thrust each, (Q, C', M, 3 B) N."""
+        force = self.force[:, of].copy()
+        force[..., 0, :] += self.thrust[thrust, :, of].swapaxes(0, 1)
+        return force
+
+    def cases(self, stop: FloatArray) -> tuple[IntArray, IntArray]:
+        """Return sweeps and thrusts to be followed: of each bearing what takes it farthest."""
+        sweeps, kinds = len(self.sweeps.state), len(self.thrust)
+        every, thrusts = (v.ravel() for v in np.indices((sweeps, kinds)))
+        travel = self.travel(every, thrusts)[..., 0, :]
+        far = np.linalg.norm(travel.reshape(*travel.shape[:-1], -1, 2), axis=-1).max(axis=0)
+        worst = far.reshape(sweeps, kinds, -1).argmax(axis=1)
+        found = sorted({(c, int(v)) for c in range(sweeps) for v in worst[c]})
+        of, thrust = np.array(found).T
+        return of, thrust
+
+    def is_thrust_unsettled(self, of: IntArray, thrust: IntArray, stop: FloatArray) -> BoolArray:
+        """Return in which cases thrust itself takes the mean beyond a stop, (C',).
+
+        The stop then holds the bow that takes up the stroke, and with it the thrust.
+        """
+        still = self.travel(of, thrust)[..., 0, :]
+        far = np.linalg.norm(still.reshape(*still.shape[:-1], -1, 2), axis=-1)
+        return (thrust > 0) & (far > stop).any(axis=(0, -1))
+
+    def line(
+        self, of: IntArray, thrust: IntArray, stop: FloatArray, ratios: FloatArray
+    ) -> StoppedLine:
+        """Return cases of the sweeps with their stops and a ratio (C', B) each."""
+        return StoppedLine(
+            free=self.travel(of, thrust),
+            receptance=self.receptance[:, of],
+            stiffness=self.stiffness[of],
+            stop=np.broadcast_to(stop, (len(of), self.stiffness.shape[-2])),
+            ratio=ratios,
+        )
+
+    def sizes(
+        self, line: StoppedLine, motion: StoppedMotion, of: IntArray, thrust: IntArray
+    ) -> dict[str, FloatArray]:
+        """Return sizes of forces and travel of motions, (T, C', B), by kind."""
+        place = motion.place
+        found = forces_at_stop(
+            motion.travel,
+            at_places(line.free, place),
+            at_places(self.force_of(of, thrust), place),
+            stiffness=line.stiffness,
+            loss=np.sign(at_places(self.loss, place, of)) * np.abs(self.loss[-1, of]),
+            stop=line.stop,
+            ratio=line.ratio,
+        )
+        peak = found.static + found.dynamic + at_places(self.order1, place, of)
+        return {
+            "static": found.static, "dynamic": found.dynamic, "peak": peak, "travel": found.travel
+        }  # fmt: skip
