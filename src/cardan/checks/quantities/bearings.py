@@ -247,8 +247,10 @@ _ON_RUBBER = (
     "At the worst operating point of the state, from standstill to top speed in every gear and "
     "direction, on the rubber: a steady response, which passing quickly does not reach. A bearing "
     "without a stiffness is rigid and carries what statics tells, at any speed: on rubber, where "
-    "an order meets a mode, that is several times as much. Linear rubber: beyond its stop (15 mm, "
-    "assumed, where travel_mm is not given) limits hold a lower bound, which never passes."
+    "an order meets a mode, that is several times as much. Rubber is linear up to its stop (15 mm, "
+    "assumed, where travel_mm is not given), and 5 to 20 times as stiff beyond it (assumed): the "
+    "largest motion that is stable, by harmonic balance. If that is not solved, limits hold a "
+    "lower bound, which never passes."
 )
 
 
@@ -433,7 +435,7 @@ DECLARATIONS = (
         },
         source=SOURCE_DERIVED,
         validity="Asked of bearings whose travel_mm an application gives. Above 1 the rubber "
-        "meets its stop, and limits of the forces on that bearing hold lower bounds.",
+        "meets its stop, and forces are those of a bearing that is stiffer beyond it.",
         compute=_over_stop,
         find_worst_points=_where_farthest(_stopped),
         has_resonance=True,

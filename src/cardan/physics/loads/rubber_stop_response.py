@@ -37,6 +37,9 @@ STOP_ORDERS = (2, 4, 6, 8, 10, 12)
 SAMPLES = 64
 """Of the half turn, at which a stop's force is evaluated."""
 
+FINE_SAMPLES = 160
+"""The same of a motion that is found."""
+
 _ITERATIONS = 10
 _LEAST_STEP = 1 / 16
 """Of the way between two speeds, at which a motion that is followed is given up as lost."""
@@ -51,10 +54,17 @@ _RESIDUAL_SHARE = 1e-6
 _LAST_TIED_ORDER = 4
 _PLACES_OF_ORDERS = tuple(zip(range(1, 2 * len(STOP_ORDERS), 2), STOP_ORDERS, strict=True))
 _COMPONENTS = 1 + 2 * len(STOP_ORDERS)
-_ANGLES = np.pi * np.arange(SAMPLES) / SAMPLES
-_WAVES = np.exp(1j * np.multiply.outer(_ANGLES, STOP_ORDERS))
-_BASIS = np.empty((SAMPLES, _COMPONENTS))
-_BASIS[:, 0], _BASIS[:, 1::2], _BASIS[:, 2::2] = 1.0, _WAVES.real, -_WAVES.imag
+
+
+def _basis(samples: int) -> FloatArray:
+    """Return what components are at angles of a half turn, (samples, M)."""
+    waves = np.exp(1j * np.pi / samples * np.multiply.outer(np.arange(samples), STOP_ORDERS))
+    found = np.ones((samples, _COMPONENTS))
+    found[:, 1::2], found[:, 2::2] = waves.real, -waves.imag
+    return found
+
+
+_BASIS, _FINE_BASIS = _basis(SAMPLES), _basis(FINE_SAMPLES)
 _PROJECTION = 2 * _BASIS.T / SAMPLES
 _PROJECTION[0] /= 2
 _PAIRS = (_PROJECTION[:, None, :] * _BASIS.T).reshape(-1, SAMPLES)
@@ -222,7 +232,9 @@ def forces_at_stop(
     stop: FloatArray,
     ratio: FloatArray,
 ) -> ForcesAtStop:
-    """Return what bearings carry in a motion with stops.
+    """Return what bearings carry in a motion with stops: of a stop its elastic force.
+
+    What it loses is in the motion. A damper's force jumps where a stop is met, rubber's does not.
 
     Parameters
     ----------
@@ -234,29 +246,25 @@ def forces_at_stop(
     """
     size = travel.shape[-1]
     lead, bearings = travel.shape[:-2], size // 2
-    k = stiffness.reshape(*stiffness.shape[:-2], 1, size)
-    more = k * (travel - free)
+    more = stiffness.reshape(*stiffness.shape[:-2], 1, size) * (travel - free)
     eta = np.repeat(loss, 2, axis=-1)
-    x = round_the_half_turn(travel).reshape(*lead, SAMPLES, bearings, 2)
+    for at, _ in _PLACES_OF_ORDERS:
+        real, imaginary = more[..., at, :].copy(), more[..., at + 1, :].copy()
+        more[..., at, :] = real - eta * imaginary
+        more[..., at + 1, :] = imaginary + eta * real
+    rubber = np.broadcast_to(linear, (*lead, *linear.shape[-2:]))
+    rubber = rubber.reshape(*lead, -1, bearings, 3).copy()
+    rubber[..., :2] += more.reshape(*lead, -1, bearings, 2)
+    force = (_FINE_BASIS @ rubber.reshape(*lead, -1, 3 * bearings)).reshape(*lead, -1, bearings, 3)
+    x = (_FINE_BASIS @ travel).reshape(*lead, -1, bearings, 2)
     pushed, _ = stop_forces(
         x, stiffness=stiffness[..., None, :, :], stop=stop[..., None, :],
         ratio=ratio[..., None, :],
     )  # fmt: skip
-    stops = _PROJECTION @ pushed.reshape(*lead, SAMPLES, size)
-    for at, order in _PLACES_OF_ORDERS:
-        for of, lost in ((more, eta), (stops, order / 2 * eta)):
-            real, imaginary = of[..., at, :].copy(), of[..., at + 1, :].copy()
-            of[..., at, :] = real - lost * imaginary
-            of[..., at + 1, :] = imaginary + lost * real
-    force = linear.reshape(*linear.shape[:-1], bearings, 3).copy()
-    force = np.broadcast_to(force, (*lead, *force.shape[-3:])).copy()
-    force[..., :2] += (more + stops).reshape(*lead, _COMPONENTS, bearings, 2)
-    mean = force[..., 0, :, :]
-    waves = force.copy()
-    waves[..., 0, :, :] = 0.0
-    swing = round_the_half_turn(waves.reshape(*lead, _COMPONENTS, -1))
-    swing = np.linalg.norm(swing.reshape(*lead, SAMPLES, bearings, 3), axis=-1).max(-2)
-    far = np.sqrt((x**2).sum(-1)).max(-2)
+    force[..., :2] += pushed
+    mean = force.mean(axis=-3)
+    swing = np.linalg.norm(force - mean[..., None, :, :], axis=-1).max(-2)
+    far = np.sqrt((x**2).sum(-1).max(-2))
     return ForcesAtStop(static=np.linalg.norm(mean, axis=-1), dynamic=swing, travel=far)
 
 
