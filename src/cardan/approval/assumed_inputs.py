@@ -204,9 +204,9 @@ def _forces_at_loss_factors(
     at_stop = r.mount_loads.is_solved_at_stop
     if at_stop.any():
         fail = CHECK_GRADES.index("fail")
-        open_ = any(((q.grades() < fail) & at_stop & ~np.isnan(q.values)).any()
+        fails = any(((q.grades() == fail) & at_stop & ~np.isnan(q.values)).any()
                     for q in base.values())  # fmt: skip
-        solved = [_at_stop_with_loss_factor(r, end) if open_ else None for end in (of.low, of.high)]
+        solved = [None if fails else _at_stop_with_loss_factor(r, end) for end in (of.low, of.high)]
         for name in names:
             kind = name.removeprefix("centre_bearing_")
             ends = [np.nan if one is None else np.where(one.is_solved[:, None], one.force(kind),

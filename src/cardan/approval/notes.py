@@ -257,10 +257,12 @@ def _stiffer_beyond_stop(r: LineResponse, states: BoolArray, bearing: int) -> di
     """Return how stiff a bearing is taken beyond its stop, and its largest peak force there."""
     solved = r.mount_loads.stop_response
     assert solved is not None  # of states in which it is
-    peaks = np.nanmax(solved.forces["peak"][:, states, bearing], axis=1)
+    peaks = solved.forces["peak"][:, states, bearing]
+    peaks = peaks[:, np.nanargmax(peaks[-1])]
+    known = ~np.isnan(peaks)
     return {
-        "ratio": _from_to([f"{ratio:g}" for ratio in solved.ratios[:, bearing]]),
-        "peak": _from_to([_figures(force) for force in sorted(peaks)]),
+        "ratio": _from_to([f"{ratio:g}" for ratio in solved.ratios[known, bearing]]),
+        "peak": _from_to([_figures(force) for force in sorted(peaks[known])]),
     }
 
 

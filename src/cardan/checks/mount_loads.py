@@ -160,21 +160,35 @@ class MountLoads:
     def force_at_stop(self, name: str) -> FloatArray:
         """Return one of `FORCE_KINDS` on each bearing at least, where a stop is met, (..., n-2) N.
 
-        The larger of the force of linear rubber and `least_force_at_stop`, less the mean where
-        only what shakes counts; or what the line carries there without thrust, if that is solved
-        and larger. The first alone of a bearing that stays within its own stop. Where it is
-        solved it is `evaluated_force`.
+        `bound_of_linear_rubber`, or what the line carries there without thrust, if that is solved
+        and larger. Where all of it is solved it is `evaluated_force`.
+        """
+        least, solved = self.bound_of_linear_rubber(name), self.stop_response
+        if solved is None:
+            return least
+        own = np.where(self._is_beyond_own_stop(name), solved.force(name), -np.inf)
+        return np.where(solved.is_solved[:, None], solved.force(name), np.fmax(least, own))
+
+    def bound_of_linear_rubber(self, name: str) -> FloatArray:
+        """Return what linear rubber says of one of `FORCE_KINDS` at a stop, (..., n-2) N.
+
+        The larger of its force and `least_force_at_stop`, less the mean where only what shakes
+        counts. The former alone of a bearing that stays within its own stop.
         """
         contact, linear = self.least_force_at_stop, self.bearing_force(name)
         if name == "dynamic":
             contact = np.maximum(contact - self.bearing_force("static"), 0.0)
-        beyond = self._own_stop_margin("static" if name == "static" else "peak") < 0
-        least = np.where(beyond, np.fmax(contact, linear), linear)
-        solved = self.stop_response
-        if solved is None:
-            return least
-        least = np.fmax(least, np.where(beyond, solved.forces[name].min(axis=0), -np.inf))
-        return np.where(solved.is_solved[:, None], solved.force(name), least)
+        return np.where(self._is_beyond_own_stop(name), np.fmax(contact, linear), linear)
+
+    def _is_beyond_own_stop(self, name: str) -> BoolArray:
+        return self._own_stop_margin("static" if name == "static" else "peak") < 0
+
+    def crest_over_linear(self, name: str) -> FloatArray:
+        """Return one of `FORCE_KINDS` over what linear rubber says of it, (S, n-2) 1; 1 unsolved."""
+        if self.stop_response is None:
+            return np.ones((1, 1))
+        linear = self.bound_of_linear_rubber(name)
+        return self.force_at_stop(name) / np.where(linear > 0, linear, np.inf)
 
     @cached_property
     def stop_response(self) -> StopResponse | None:

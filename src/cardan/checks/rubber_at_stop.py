@@ -38,7 +38,7 @@ NEAR_STOP_SHARE = 0.97
 SPEED_REACH = (0.7, 2.2)
 """How far below and above the speeds of such motions they are followed."""
 
-SPEED_COUNT = 48
+SPEED_COUNT = 40
 """Speeds at which a line is evaluated there; between two it is taken as linear."""
 
 _LARGEST_GAP = 2.5
@@ -52,7 +52,8 @@ class StopResponse:
     Attributes
     ----------
     ratios : (R, n-2) 1
-        Stiffness beyond the stop over that before it, smallest first.
+        Stiffness beyond the stop over that before it, smallest first. With the smallest the state
+        alone in which linear rubber has the largest peak force is solved.
     is_solved : (S,)
         Whether the line meets a stop in a state and its motion is found.
     forces : (R, S, n-2) N, by `FORCE_KINDS`
@@ -71,8 +72,8 @@ class StopResponse:
     travel: FloatArray
 
     def force(self, kind: str) -> FloatArray:
-        """Return one of `FORCE_KINDS` with the ratio that makes it largest, (S, n-2) N."""
-        return self.forces[kind].max(axis=0)
+        """Return one of `FORCE_KINDS` with the larger ratio, (S, n-2) N."""
+        return self.forces[kind][-1]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -126,55 +127,98 @@ def stop_response(
     if not len(sweeps.state):
         return None
     grid = _Grid.of(mounts, sweeps, held)
-    solved = np.zeros(len(states), dtype=bool)
-    solved[sweeps.state] = True
-    of, thrust = grid.cases(stop)
-    count = len(ratios)
-    each = np.tile(of, count)
-    line = grid.line(each, np.tile(thrust, count), stop, np.repeat(ratios, len(of), axis=0))
-    motion = all_motions(line)
-    loose = np.tile(grid.is_thrust_unsettled(of, thrust, stop), count)
-    lost = loose | ~_is_followed(motion.place, line)
-    solved[sweeps.state[each[lost]]] = False
-    sizes = grid.sizes(line, motion, each, np.tile(thrust, count))
     others = _others(mounts, forces, sweeps)
-    speeds = at_places(sweeps.speeds, motion.place, each)
-    shape = (len(states), len(stop))
-    best: dict[str, FloatArray] = {}
-    points: dict[str, LineOperatingPoints] = {}
+    of, thrust = grid.cases(stop)
+    ratio = np.tile(ratios[-1], (len(of), 1))
+    told = np.full(len(of), len(ratios) - 1)
+    if len(ratios) > 1:  # a range is told where linear rubber has the largest force
+        met = np.isin(np.arange(len(states)), sweeps.state)[:, None]
+        worst = np.where(met, np.nan_to_num(forces.results.peak.max(axis=0)), -1).max(-1).argmax()
+        some = np.flatnonzero(sweeps.state[of] == worst)
+        ratio = np.concatenate([ratio, np.tile(ratios[0], (len(some), 1))])
+        of, thrust = np.concatenate([of, of[some]]), np.concatenate([thrust, thrust[some]])
+        told = np.concatenate([told, np.zeros(len(some), dtype=int)])
+    line = grid.line(of, thrust, stop, ratio)
+    motion = all_motions(line)
+    sizes = grid.sizes(line, motion, of, thrust)
+    each = [
+        _solved(grid, line, motion, sizes, np.flatnonzero(told == r), of, thrust, others,
+                len(states))
+        for r in range(len(ratios))
+    ]  # fmt: skip
+    stiff = each[-1]
+    if len(ratios) > 1:
+        stiff.is_solved[worst] &= each[0].is_solved[worst]
+    return StopResponse(
+        ratios=ratios,
+        is_solved=stiff.is_solved,
+        forces={k: np.stack([one.forces[k] for one in each]) for k in FORCE_KINDS},
+        points={k: _points(mounts, *stiff.points[k]) for k in FORCE_KINDS},
+        travel=np.stack([one.travel for one in each]),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _SolvedStates:
+    """Largest forces and travel in states (S, n-2) with one ratio of stiffness, nan where none.
+
+    `points` are curves and speeds of the forces.
+    """
+
+    is_solved: BoolArray
+    forces: dict[str, FloatArray]
+    points: dict[str, PointRows]
+    travel: FloatArray
+
+
+def _solved(
+    grid: "_Grid",
+    line: StoppedLine,
+    motion: StoppedMotion,
+    sizes: dict[str, FloatArray],
+    some: IntArray,
+    of: IntArray,
+    thrust: IntArray,
+    others: dict[str, OperatingPointResults],
+    states: int,
+) -> _SolvedStates:
+    """Return the largest forces in states along `some` cases: sweeps `of` a grid, a thrust each."""
+    sweeps = grid.sweeps
+    place = motion.place[:, some]
+    of, thrust = of[some], thrust[some]
+    loose = grid.is_thrust_unsettled(of, thrust, line.stop[0])
+    met, solved = (np.isin(np.arange(states), sweeps.state[of]) for _ in range(2))
+    solved[sweeps.state[of[loose | ~_is_followed(place, len(line.free))]]] = False
+    sizes = {kind: values[:, some] for kind, values in sizes.items()}
+    speeds = at_places(sweeps.speeds, place, of)
+    forces: dict[str, FloatArray] = {}
+    points: dict[str, PointRows] = {}
     for kind in FORCE_KINDS:
-        linear = others[kind]
-        own = np.tile(np.nan_to_num(getattr(linear.results, kind), nan=-np.inf), (count, 1, 1))
-        most, curve, speed = own[0].copy(), linear.curve_index.copy(), linear.speed.copy()
-        size = np.where(np.isnan(motion.place)[..., None], -np.inf, sizes[kind])
+        linear, size = others[kind], sizes[kind]
+        most = np.nan_to_num(getattr(linear.results, kind), nan=-np.inf)
+        curve, speed = linear.curve_index.copy(), linear.speed.copy()
         top = size.argmax(axis=0)
         largest = np.take_along_axis(size, top[None], axis=0)[0]
         for c in np.flatnonzero(~loose).tolist():
-            r, s = c // len(of), int(sweeps.state[each[c]])
-            own[r, s] = np.maximum(own[r, s], largest[c])
+            s = int(sweeps.state[of[c]])
             more = largest[c] > most[s]
             most[s] = np.where(more, largest[c], most[s])
-            curve[s] = np.where(more, sweeps.curve[each[c]], curve[s])
+            curve[s] = np.where(more, sweeps.curve[of[c]], curve[s])
             speed[s] = np.where(more, speeds[top[c], c], speed[s])
-        best[kind] = own
-        points[kind] = _points(mounts, curve, speed)
-    far = np.full((count, *shape), -np.inf)
-    size = np.where(np.isnan(motion.place)[..., None], -np.inf, sizes["travel"]).max(axis=0)
-    np.maximum.at(far, (np.arange(len(each)) // len(of), sweeps.state[each]), size)
-    met = np.zeros(len(states), dtype=bool)
-    met[sweeps.state] = True
-    known = np.where(met[:, None], 0.0, np.nan)
-    return StopResponse(
-        ratios=ratios,
+        forces[kind] = np.where(met[:, None] & np.isfinite(most), most, np.nan)
+        points[kind] = curve, speed
+    far = np.full((states, line.stop.shape[-1]), -np.inf)
+    np.maximum.at(far, sweeps.state[of], sizes["travel"].max(axis=0))
+    return _SolvedStates(
         is_solved=solved,
-        forces={k: best[k] + known for k in FORCE_KINDS},
+        forces=forces,
         points=points,
         travel=np.where(solved[:, None], far, np.nan),
     )
 
 
 def _points(mounts: LineOnMounts, curve: IntArray, speed: FloatArray) -> LineOperatingPoints:
-    """Return points (S, n-2) by their curves and speeds."""
+    """Return points by their curves and speeds, (S, n-2)."""
     rows = np.moveaxis(curve, -1, 0), np.moveaxis(speed, -1, 0)
     asked = demand_at_operating_points(
         mounts.inputs.demand, mounts.torque_curves, curve=rows[0], speed=rows[1]
@@ -232,10 +276,10 @@ def _others(
     return {kind: largest_point(exact, kind) for kind in FORCE_KINDS}
 
 
-def _is_followed(place: FloatArray, line: StoppedLine) -> BoolArray:
+def _is_followed(place: FloatArray, speeds: int) -> BoolArray:
     """Return of which cases (C,) motions (T, C) are found all along the speeds."""
     found = np.sort(np.where(np.isnan(place), np.inf, place), axis=0)
-    last = len(line.free) - 1.0
+    last = speeds - 1.0
     ends = np.array([[-0.0], [last]]) + 0 * place[:1]
     every = np.sort(np.concatenate([np.minimum(found, last), ends]), axis=0)
     return np.diff(every, axis=0).max(axis=0) <= _LARGEST_GAP
@@ -387,18 +431,25 @@ class _Grid:
     def sizes(
         self, line: StoppedLine, motion: StoppedMotion, of: IntArray, thrust: IntArray
     ) -> dict[str, FloatArray]:
-        """Return sizes of forces and travel of motions, (T, C', B), by kind."""
-        place = motion.place
+        """Return sizes of forces and travel of motions, (T, C', B), by kind; -inf where none."""
+        there = np.nonzero(~np.isnan(motion.place))
+        place, case = motion.place[there], there[1]
+        own = of[case]
         found = forces_at_stop(
-            motion.travel,
-            at_places(line.free, place),
-            at_places(self.force_of(of, thrust), place),
-            stiffness=line.stiffness,
-            loss=np.sign(at_places(self.loss, place, of)) * np.abs(self.loss[-1, of]),
-            stop=line.stop,
-            ratio=line.ratio,
+            motion.travel[there],
+            at_places(line.free, place, case),
+            at_places(self.force_of(of, thrust), place, case),
+            stiffness=line.stiffness[case],
+            loss=self.loss[-1, own],
+            stop=line.stop[case],
+            ratio=line.ratio[case],
         )
-        peak = found.static + found.dynamic + at_places(self.order1, place, of)
-        return {
+        peak = found.static + found.dynamic + at_places(self.order1, place, own)
+        sizes = {
             "static": found.static, "dynamic": found.dynamic, "peak": peak, "travel": found.travel
         }  # fmt: skip
+        whole: dict[str, FloatArray] = {}
+        for kind, values in sizes.items():
+            whole[kind] = np.full((*motion.place.shape, values.shape[-1]), -np.inf)
+            whole[kind][there] = values
+        return whole

@@ -8,6 +8,8 @@ and approximations stand beside.
 from math import pi
 from typing import Any
 
+import numpy as np
+
 from cardan.approval.approval import Approval
 from cardan.approval.registry import study_registrations
 from cardan.approval.study import load_function
@@ -231,12 +233,13 @@ def _at_stop_json(r: LineResponse, s: int, k: int) -> dict[str, Any]:
     if of is None or not of.is_solved[s]:
         return {}
     at = of.points["peak"].operating_point((s, k))
+    known = ~np.isnan(of.travel[:, s, k])
     return {
         "at_stop": {
             "stop_mm": r.mount_loads.rubber_stop_travel.reshape(-1)[k] / mm,
-            "stiffness_ratio": of.ratios[:, k].tolist(),
-            **{f"{kind}_N": of.forces[kind][:, s, k].tolist() for kind in FORCE_KINDS},
-            "travel_mm": (of.travel[:, s, k] / mm).tolist(),
+            "stiffness_ratio": of.ratios[known, k].tolist(),
+            **{f"{kind}_N": of.forces[kind][known, s, k].tolist() for kind in FORCE_KINDS},
+            "travel_mm": (of.travel[known, s, k] / mm).tolist(),
             **({} if at is None else operating_point_json(at)),
         }
     }

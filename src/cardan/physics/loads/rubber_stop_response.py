@@ -34,13 +34,13 @@ STOP_STIFFNESS_RANGE = (5.0, 20.0)
 STOP_ORDERS = (2, 4, 6, 8, 10, 12)
 """Orders of the motion beside its mean: a stop's push has more of them than its motion."""
 
-SAMPLES = 64
+SAMPLES = 40
 """Of the half turn, at which a stop's force is evaluated."""
 
-FINE_SAMPLES = 160
+FINE_SAMPLES = 96
 """The same of a motion that is found."""
 
-_ITERATIONS = 10
+_ITERATIONS = 6
 _LEAST_STEP = 1 / 16
 """Of the way between two speeds, at which a motion that is followed is given up as lost."""
 _STIFFENING = (0.2, 0.4, 0.6, 0.8, 1.0)
@@ -48,7 +48,7 @@ _STIFFENING = (0.2, 0.4, 0.6, 0.8, 1.0)
 _LARGEST_JUMP = 0.3
 """Of the travel to the stop, off where it was expected: more is another motion."""
 _MOST_STEPS = 1000
-_RESIDUAL_SHARE = 1e-6
+_RESIDUAL_SHARE = 1e-4
 """Of the travel to the stop, below which Newton's method ends."""
 
 _LAST_TIED_ORDER = 4
@@ -127,20 +127,17 @@ def stop_forces(
 ) -> tuple[FloatArray, FloatArray]:
     """Return what stops add to the rubber's force, (..., B, 2) N, and its slope (..., B, 2, 2).
 
-    For `travel` (..., B, 2) m, stiffness (..., B, 2) N/m, stop and ratio (..., B) m, 1.
+    For `travel` (C, J, B, 2) m at J instants, stiffness (C, B, 2) N/m, stop and ratio (C, B) m, 1.
     """
-    square = (travel**2).sum(-1)
+    square = travel[..., 0] ** 2 + travel[..., 1] ** 2
     force, slope = np.zeros_like(travel), np.zeros((*travel.shape, 2))
-    there = np.nonzero(square > np.broadcast_to(stop, square.shape) ** 2)
+    there = np.nonzero(square > stop[:, None] ** 2)
     if not len(there[0]):
         return force, slope
-
-    def own(values: FloatArray, *axes: int) -> FloatArray:
-        return np.broadcast_to(values, (*square.shape, *axes))[there]
-
-    x, K, more = travel[there], own(stiffness, 2), own(ratio) - 1
+    of = there[0], there[2]
+    x, K, more = travel[there], stiffness[of], ratio[of] - 1
     u = np.sqrt(square[there])
-    gap = u - own(stop)
+    gap = u - stop[of]
     g = gap / u
     n1, n2 = x[:, 0] / u, x[:, 1] / u
     k = K[:, 0] * n1**2 + K[:, 1] * n2**2
@@ -257,10 +254,7 @@ def forces_at_stop(
     rubber[..., :2] += more.reshape(*lead, -1, bearings, 2)
     force = (_FINE_BASIS @ rubber.reshape(*lead, -1, 3 * bearings)).reshape(*lead, -1, bearings, 3)
     x = (_FINE_BASIS @ travel).reshape(*lead, -1, bearings, 2)
-    pushed, _ = stop_forces(
-        x, stiffness=stiffness[..., None, :, :], stop=stop[..., None, :],
-        ratio=ratio[..., None, :],
-    )  # fmt: skip
+    pushed, _ = stop_forces(x, stiffness=stiffness, stop=stop, ratio=ratio)
     force[..., :2] += pushed
     mean = force.mean(axis=-3)
     swing = np.linalg.norm(force - mean[..., None, :, :], axis=-1).max(-2)
@@ -429,7 +423,7 @@ def _newton(
         x = round_the_half_turn(X.reshape(count, _COMPONENTS, size))
         force, slope = stop_forces(
             x.reshape(count, SAMPLES, bearings, 2),
-            stiffness=stiffness[some, None], stop=stop[some, None], ratio=ratio[some, None],
+            stiffness=stiffness[some], stop=stop[some], ratio=ratio[some],
         )  # fmt: skip
         F = (_PROJECTION @ force.reshape(count, SAMPLES, size)).reshape(count, unknown)
         flat = slope.reshape(count, SAMPLES, bearings * 4)
