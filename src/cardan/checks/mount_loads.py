@@ -202,10 +202,10 @@ class MountLoads:
     def stop_response_on(self, held: MountedLine) -> StopResponse | None:
         """Return `stop_response` of a line that moves otherwise, as with another loss factor."""
         screened, refined = self.screened_forces, self.refined_forces
-        if screened is None or refined is None or self.mounts.inputs.layout.points.ndim > 3:
+        if screened is None or refined is None:
             return None
         beyond = (self._own_stop_margin("peak") < 0).any(axis=-1)
-        if not beyond.any():
+        if beyond.ndim > 1 or not beyond.any():  # of many designs it is too dear
             return None
         return stop_response(
             self.mounts,
@@ -264,8 +264,8 @@ class MountLoads:
     def force_validity_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
         """Return `stop_margin` where forces are not solved with the stop, else 1."""
         margin = self.stop_margin(kind)
-        return margin if self.stop_response is None else np.where(
-            self.is_solved_at_stop, 1.0, margin
+        return (
+            margin if self.stop_response is None else np.where(self.is_solved_at_stop, 1.0, margin)
         )
 
     @cached_property

@@ -5,15 +5,18 @@ its curves of torque over speed on which it does. Between the stops the motion i
 rubber, so everywhere else the linear answer holds.
 """
 
+from functools import cached_property
+
 import numpy as np
 
 from cardan.checks.line_on_mounts import LineOnMounts
 from cardan.checks.operating_envelope import PointRows
 from cardan.checks.operating_point_results import OperatingPointResults, largest_point, point_rows
-from cardan.core.arrays import BoolArray, FloatArray, IntArray
+from cardan.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from cardan.core.lazy_dataclass import dataclass
 from cardan.physics.kinematics.joint_chain import rotate_chain
 from cardan.physics.loads.centre_bearing import bearing_forces
+from cardan.physics.loads.half_turn_fourier import semi_major_axis
 from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.rubber_stop_response import (
     StoppedLine,
@@ -84,15 +87,22 @@ class _Sweeps:
     curve: IntArray
     low: FloatArray
     high: FloatArray
+    crests: FloatArray
 
-    @property
+    @cached_property
     def speeds(self) -> FloatArray:
-        """The speeds of the grid, (Q, C) rad/s: as close above as a mode is wide there."""
+        """The speeds of the grid, (Q, C) rad/s, a share apart; `crests` (K, C) are among them."""
         first = np.maximum(self.low, self.high / SPEED_REACH[1] / 4)
         share = np.linspace(0, 1, SPEED_COUNT - 1)[:, None]
         grid = first * (self.high / first) ** share
         start = np.where(self.low < first, self.low, 0.5 * (3 * grid[0] - grid[1]))
-        return np.concatenate([np.minimum(start, grid[0])[None], grid])
+        found = np.concatenate([np.minimum(start, grid[0])[None], grid])
+        for crest in self.crests:
+            nearest = np.abs(found[1:-1] - crest).argmin(axis=0) + 1
+            inside = (crest > found[0]) & (crest < found[-1])
+            here = nearest, np.arange(len(crest))
+            found[here] = np.where(inside, crest, found[here])
+        return np.sort(found, axis=0)
 
     def holds(self, curve: IntArray, speed: FloatArray) -> BoolArray:
         """Return which of points (P, S) lie on them."""
@@ -123,7 +133,7 @@ def stop_response(
     held
         How the line can move on its rubber.
     """
-    sweeps = _sweeps(mounts, travel, stop, states)
+    sweeps = _sweeps(mounts, travel, forces, stop, states)
     if not len(sweeps.state):
         return None
     grid = _Grid.of(mounts, sweeps, held)
@@ -232,7 +242,11 @@ def _points(mounts: LineOnMounts, curve: IntArray, speed: FloatArray) -> LineOpe
 
 
 def _sweeps(
-    mounts: LineOnMounts, travel: OperatingPointResults, stop: FloatArray, states: BoolArray
+    mounts: LineOnMounts,
+    travel: OperatingPointResults,
+    forces: OperatingPointResults,
+    stop: FloatArray,
+    states: BoolArray,
 ) -> _Sweeps:
     """Return the curves of `states` on which linear rubber comes to a stop."""
     between: dict[tuple[int, int], list[float]] = {}
@@ -250,7 +264,15 @@ def _sweeps(
         high=np.array([
             min(high * max(max(between[s, c]), 1e-3 * most[c, s]), most[c, s]) for s, c in keys
         ]),
+        crests=np.array([_crests(forces, s, c) for s, c in keys]).reshape(len(keys), -1).T,
     )  # fmt: skip
+
+
+def _crests(forces: OperatingPointResults, state: int, curve: int) -> list[float]:
+    """Return the speeds at which each bearing's dynamic force is largest on a curve of a state."""
+    own = forces.curve_index[:, state] == curve
+    size = np.where(own[:, None], np.nan_to_num(forces.results.dynamic[:, state]), -1.0)
+    return forces.speed[size.argmax(axis=0), state].tolist()
 
 
 def _others(
@@ -283,6 +305,12 @@ def _is_followed(place: FloatArray, speeds: int) -> BoolArray:
     ends = np.array([[-0.0], [last]]) + 0 * place[:1]
     every = np.sort(np.concatenate([np.minimum(found, last), ends]), axis=0)
     return np.diff(every, axis=0).max(axis=0) <= _LARGEST_GAP
+
+
+def _waves(force: FloatArray) -> ComplexArray:
+    """Return the amplitudes (..., B, K, 3) of components (..., M, 3 B)."""
+    waves = force[..., 1::2, :] + 1j * force[..., 2::2, :]
+    return np.moveaxis(waves.reshape(*waves.shape[:-1], -1, 3), -3, -2)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -332,9 +360,7 @@ class _Grid:
             speed=speed.reshape(-1, states),
         )
         laid, how = inputs.layout_for(asked), mounts.force_inputs(asked, inertia=True)
-        found = bearing_forces(
-            laid, inputs.line, inputs.phases, held=held, **how
-        )
+        found = bearing_forces(laid, inputs.line, inputs.phases, held=held, **how)
         weight, _ = bearing_forces_of_weight_and_thrust(laid, inputs.line, gravity=inputs.gravity)
         under = inputs.line.phases_under_torque(inputs.phases, how["torque"])
         turned = rotate_chain(
@@ -444,10 +470,12 @@ class _Grid:
             stop=line.stop[case],
             ratio=line.ratio[case],
         )
-        peak = found.static + found.dynamic + at_places(self.order1, place, own)
-        sizes = {
-            "static": found.static, "dynamic": found.dynamic, "peak": peak, "travel": found.travel
-        }  # fmt: skip
+        # Of linear motions orders add up as they do elsewhere.
+        linear = semi_major_axis(_waves(at_places(self.force, place, own)))
+        free = (found.travel <= line.stop[case]).all(axis=-1, keepdims=True)
+        dynamic = np.where(free, linear.sum(-1), found.dynamic)
+        peak = found.static + dynamic + at_places(self.order1, place, own)
+        sizes = {"static": found.static, "dynamic": dynamic, "peak": peak, "travel": found.travel}
         whole: dict[str, FloatArray] = {}
         for kind, values in sizes.items():
             whole[kind] = np.full((*motion.place.shape, values.shape[-1]), -np.inf)

@@ -146,8 +146,12 @@ def stop_forces(
     force[there] = (more * gap)[:, None] * np.stack([k * n1 + g * s1, k * n2 + g * s2], axis=-1)
     rest = g * (1 - g)
     both = k * (1 - g)  # k n n' + g (k (1 - n n') + 2 (n s' + s n')) + g² (K - k - 2 (n s' + s n'))
-    slope[(*there, 0, 0)] = more * (both * n1 * n1 + g * k + 4 * rest * n1 * s1 + g**2 * (K[:, 0] - k))
-    slope[(*there, 1, 1)] = more * (both * n2 * n2 + g * k + 4 * rest * n2 * s2 + g**2 * (K[:, 1] - k))
+    slope[(*there, 0, 0)] = more * (
+        both * n1 * n1 + g * k + 4 * rest * n1 * s1 + g**2 * (K[:, 0] - k)
+    )
+    slope[(*there, 1, 1)] = more * (
+        both * n2 * n2 + g * k + 4 * rest * n2 * s2 + g**2 * (K[:, 1] - k)
+    )
     slope[(*there, 0, 1)] = slope[(*there, 1, 0)] = more * (
         both * n1 * n2 + 2 * rest * (n1 * s2 + n2 * s1)
     )
@@ -277,9 +281,7 @@ def round_the_half_turn(of: FloatArray) -> FloatArray:
     return _BASIS @ of
 
 
-def at_places(
-    values: FloatArray, place: FloatArray, cases: IntArray | None = None
-) -> FloatArray:
+def at_places(values: FloatArray, place: FloatArray, cases: IntArray | None = None) -> FloatArray:
     """Return values (Q, C, ...) at places (T, C) or (C,) between the speeds, linear between two.
 
     Of all cases, or of those that `cases` names.
@@ -360,9 +362,7 @@ def followed_motion(line: StoppedLine, *, backwards: bool = False) -> StoppedMot
     return StoppedMotion(place=np.stack(places), travel=np.stack(travels))
 
 
-def _begun_at(
-    line: StoppedLine, place: FloatArray, some: IntArray
-) -> tuple[FloatArray, BoolArray]:
+def _begun_at(line: StoppedLine, place: FloatArray, some: IntArray) -> tuple[FloatArray, BoolArray]:
     """Return motions of `some` cases at places from linear rubber on, by ever stiffer stops."""
     guess = at_places(line.free, place, some)
     ok = np.ones(len(some), dtype=bool)
