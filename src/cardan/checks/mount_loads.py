@@ -184,7 +184,7 @@ class MountLoads:
         return self._own_stop_margin("static" if name == "static" else "peak") < 0
 
     def crest_over_linear(self, name: str) -> FloatArray:
-        """Return one of `FORCE_KINDS` over what linear rubber says of it, (S, n-2) 1; 1 unsolved."""
+        """Return one of `FORCE_KINDS` over what linear rubber says of it, (S, n-2) 1."""
         if self.stop_response is None:
             return np.ones((1, 1))
         linear = self.bound_of_linear_rubber(name)
@@ -204,7 +204,7 @@ class MountLoads:
         screened, refined = self.screened_forces, self.refined_forces
         if screened is None or refined is None:
             return None
-        beyond = (self._own_stop_margin("peak") < 0).any(axis=-1)
+        beyond = np.asarray((self._own_stop_margin("peak") < 0).any(axis=-1))
         if beyond.ndim > 1 or not beyond.any():  # of many designs it is too dear
             return None
         return stop_response(

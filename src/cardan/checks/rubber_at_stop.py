@@ -6,6 +6,7 @@ rubber, so everywhere else the linear answer holds.
 """
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -138,12 +139,13 @@ def stop_response(
         return None
     grid = _Grid.of(mounts, sweeps, held)
     others = _others(mounts, forces, sweeps)
-    of, thrust = grid.cases(stop)
+    of, thrust = grid.cases()
     ratio = np.tile(ratios[-1], (len(of), 1))
-    told = np.full(len(of), len(ratios) - 1)
+    told, worst = np.full(len(of), len(ratios) - 1), 0
     if len(ratios) > 1:  # a range is told where linear rubber has the largest force
         met = np.isin(np.arange(len(states)), sweeps.state)[:, None]
-        worst = np.where(met, np.nan_to_num(forces.results.peak.max(axis=0)), -1).max(-1).argmax()
+        most = np.where(met, np.nan_to_num(forces.results.peak.max(axis=0)), -1).max(-1)
+        worst = int(most.argmax())
         some = np.flatnonzero(sweeps.state[of] == worst)
         ratio = np.concatenate([ratio, np.tile(ratios[0], (len(some), 1))])
         of, thrust = np.concatenate([of, of[some]]), np.concatenate([thrust, thrust[some]])
@@ -368,7 +370,7 @@ class _Grid:
         )
         coupling = quick.order2_coupling(turned)
 
-        def own(values: FloatArray, own_axes: int) -> FloatArray:
+        def own(values: Any, own_axes: int) -> Any:
             """Return values (P, S, ...) of the sweeps, (Q, C, ...)."""
             rest = values.shape[values.ndim - own_axes :]
             values = np.broadcast_to(values, (count * depth, states, *rest))
@@ -422,7 +424,7 @@ class _Grid:
         force[..., 0, :] += self.thrust[thrust, :, of].swapaxes(0, 1)
         return force
 
-    def cases(self, stop: FloatArray) -> tuple[IntArray, IntArray]:
+    def cases(self) -> tuple[IntArray, IntArray]:
         """Return sweeps and thrusts to be followed: of each bearing what takes it farthest."""
         sweeps, kinds = len(self.sweeps.state), len(self.thrust)
         every, thrusts = (v.ravel() for v in np.indices((sweeps, kinds)))

@@ -238,6 +238,26 @@ def test_verdict_that_turns_with_stiffness_beyond_stop_says_so(tmp_path):
     assert peak["value_within"][0] <= soft
 
 
+def test_hot_rubber_that_meets_its_stop_is_solved_with_it(tmp_path):
+    """Rubber as given goes 11.5 mm of 12; hot, of 0.7 of its stiffness, linear rubber 16."""
+    text = rods(800, plane="level", torque=8000, more="travel_mm: 12")
+    cold = bearing(tmp_path, text)["on_rubber"]["worst"]["peak_N"]
+    soft = text.replace(f"N_mm: {UP}", f"N_mm: {0.7 * UP}").replace(
+        f"N_mm: {LEVEL}", f"N_mm: {0.7 * LEVEL}"
+    )
+    hot = bearing(tmp_path, soft)["on_rubber"]["at_stop"]["peak_N"][-1]
+    assert hot > 1.05 * cold
+    limit = AMPLE.replace("maximum: 1e5", f"maximum: {1.02 * cold:.1f}")
+    (peak,) = (
+        c
+        for c in told(tmp_path, text.replace("limits: protractor", limit))["checks"]
+        if c["quantity"] == "centre_bearing_peak"
+    )
+    assert (peak["verdict"], peak["may_be"]) == ("pass", "fail")
+    assert "centre_bearing.stiffness_range" in {a["input"] for a in peak["assumed"]}
+    assert peak["value_within"][1] >= hot * 0.999
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("ratio", "tolerance"), [(5, 0.02), (20, 0.05)])
 def test_force_at_stop_matches_integration_in_time(tmp_path, ratio, tolerance):

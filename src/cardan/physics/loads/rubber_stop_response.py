@@ -24,7 +24,7 @@ Gross (2019), Harmonic Balance for Nonlinear Vibration Problems.
 
 import numpy as np
 
-from cardan.core.arrays import ArrayLike, BoolArray, ComplexArray, FloatArray, IntArray
+from cardan.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from cardan.core.lazy_dataclass import dataclass
 from cardan.physics.loads.rubber_mount import MountedLine
 
@@ -58,9 +58,9 @@ _COMPONENTS = 1 + 2 * len(STOP_ORDERS)
 
 def _basis(samples: int) -> FloatArray:
     """Return what components are at angles of a half turn, (samples, M)."""
-    waves = np.exp(1j * np.pi / samples * np.multiply.outer(np.arange(samples), STOP_ORDERS))
+    angles = np.pi / samples * np.outer(np.arange(samples), np.array(STOP_ORDERS))
     found = np.ones((samples, _COMPONENTS))
-    found[:, 1::2], found[:, 2::2] = waves.real, -waves.imag
+    found[:, 1::2], found[:, 2::2] = np.cos(angles), -np.sin(angles)
     return found
 
 
@@ -322,7 +322,7 @@ def followed_motion(line: StoppedLine, *, backwards: bool = False) -> StoppedMot
     steps are halved where it turns back, and at `_LEAST_STEP` it is lost, and falls to the next
     one that is found from linear rubber.
     """
-    count, cases, _, size = line.free.shape
+    count, cases = line.free.shape[:2]
     sense = -1.0 if backwards else 1.0
     place = np.full(cases, count - 1.0 if backwards else 0.0)
     end = 0.0 if backwards else count - 1.0
@@ -417,7 +417,7 @@ def _newton(
     one = np.eye(unknown)
     least = _RESIDUAL_SHARE * np.where(np.isfinite(stop), stop, np.inf).min(-1)
 
-    def pushed(X: FloatArray, some: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def pushed(X: FloatArray, some: IntArray) -> tuple[FloatArray, FloatArray]:
         """Return the residual and Newton's matrix."""
         count = len(X)
         x = round_the_half_turn(X.reshape(count, _COMPONENTS, size))
