@@ -97,4 +97,4 @@ def fix(
             echo_lines(fold_lines(shown, wide))
         else:
             echo_lines(correction_screen_lines(found, installed, helps=helps, say=say, width=wide))
-    exit_with_verdicts((found[0].approval if found else installed).verdict)
+    exit_with_verdicts(found[0].verdict if found else installed.verdict)
