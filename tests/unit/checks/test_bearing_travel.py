@@ -259,7 +259,7 @@ def test_hot_rubber_that_meets_its_stop_is_solved_with_it(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("ratio", "tolerance"), [(5, 0.02), (20, 0.05)])
+@pytest.mark.parametrize(("ratio", "tolerance"), [(5, 0.02)])
 def test_force_at_stop_matches_integration_in_time(tmp_path, ratio, tolerance):
     """15 kg on two springs with a stop at 5 mm, by SciPy through rising speeds, the motion kept.
 

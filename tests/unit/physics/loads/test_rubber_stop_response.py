@@ -84,9 +84,9 @@ def integrated(frequencies: list[float], ratio: float) -> list[float]:
 
     state, found = np.array([STEADY / STIFFNESS, 0.0]), []
     for f in frequencies:
-        times = np.linspace(38 / f, 40 / f, 400)
+        times = np.linspace(23 / f, 25 / f, 300)
         done = solve_ivp(
-            motion, (0, 40 / f), state, args=(2 * np.pi * f,), t_eval=times, rtol=1e-6, atol=1e-9,
+            motion, (0, 25 / f), state, args=(2 * np.pi * f,), t_eval=times, rtol=1e-6, atol=1e-9,
             max_step=1 / f / 30,
         )  # fmt: skip
         state = done.y[:, -1]
