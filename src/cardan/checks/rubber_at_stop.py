@@ -5,6 +5,7 @@ its curves of torque over speed on which it does. Between the stops the motion i
 rubber, so everywhere else the linear answer holds.
 """
 
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -82,13 +83,18 @@ class StopResponse:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Sweeps:
-    """Curves along which a line is followed, C of them, and between what speeds rad/s."""
+    """Curves along which a line is followed, C of them, and between what speeds rad/s.
+
+    `crests` (K, C) are speeds of linear rubber's largest forces; `ends_with_curve` says whether
+    `high` is the highest speed of the curve.
+    """
 
     state: IntArray
     curve: IntArray
     low: FloatArray
     high: FloatArray
     crests: FloatArray
+    ends_with_curve: BoolArray
 
     @cached_property
     def speeds(self) -> FloatArray:
@@ -135,7 +141,7 @@ def stop_response(
         How the line can move on its rubber.
     """
     sweeps = _sweeps(mounts, travel, forces, stop, states)
-    if not len(sweeps.state):
+    if sweeps is None:
         return None
     grid = _Grid.of(mounts, sweeps, held)
     others = _others(mounts, forces, sweeps)
@@ -152,12 +158,14 @@ def stop_response(
         told = np.concatenate([told, np.zeros(len(some), dtype=int)])
     line = grid.line(of, thrust, stop, ratio)
     motion = all_motions(line)
-    sizes = grid.sizes(line, motion, of, thrust)
+    cases = _FollowedCases(
+        grid=grid, sweep=of, thrust=thrust, stop=stop, place=motion.place,
+        sizes=grid.sizes(line, motion, of, thrust),
+    )  # fmt: skip
     each = [
-        _solved(grid, line, motion, sizes, np.flatnonzero(told == r), of, thrust, others,
-                len(states))
+        _solved(cases.select(np.flatnonzero(told == r)), others, len(states))
         for r in range(len(ratios))
-    ]  # fmt: skip
+    ]
     stiff = each[-1]
     if len(ratios) > 1:
         stiff.is_solved[worst] &= each[0].is_solved[worst]
@@ -183,26 +191,63 @@ class _SolvedStates:
     travel: FloatArray
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _FollowedCases:
+    """Cases C whose motions were followed: sweeps of a grid, a thrust each.
+
+    Attributes
+    ----------
+    sweep, thrust : (C,)
+    stop : (n-2,) m
+    place : (T, C)
+        Where along the speeds a motion was found, nan where none.
+    sizes : (T, C, n-2), by kind
+        Forces N and travel m there, -inf where none.
+    """
+
+    grid: "_Grid"
+    sweep: IntArray
+    thrust: IntArray
+    stop: FloatArray
+    place: FloatArray
+    sizes: dict[str, FloatArray]
+
+    def select(self, which: IntArray) -> "_FollowedCases":
+        """Return some of the cases."""
+        return replace(
+            self,
+            sweep=self.sweep[which],
+            thrust=self.thrust[which],
+            place=self.place[:, which],
+            sizes={kind: values[:, which] for kind, values in self.sizes.items()},
+        )
+
+    @property
+    def is_unsettled(self) -> BoolArray:
+        """In which cases thrust itself takes the mean beyond a stop, (C,)."""
+        return self.grid.is_thrust_unsettled(self.sweep, self.thrust, self.stop)
+
+    @property
+    def is_lost(self) -> BoolArray:
+        """Whether motions are not found all along, or at a stop where the speeds end, (C,)."""
+        last = SPEED_COUNT - 1.0
+        found = np.sort(np.where(np.isnan(self.place), np.inf, self.place), axis=0)
+        ends = np.array([[0.0], [last]]) + 0 * self.sweep
+        every = np.sort(np.concatenate([np.minimum(found, last), ends]), axis=0)
+        gap = np.diff(every, axis=0).max(axis=0) > _LARGEST_GAP
+        at_end = (self.place > last - 0.5)[..., None] & (self.sizes["travel"] > self.stop)
+        return gap | (at_end.any(axis=(0, -1)) & ~self.grid.sweeps.ends_with_curve[self.sweep])
+
+
 def _solved(
-    grid: "_Grid",
-    line: StoppedLine,
-    motion: StoppedMotion,
-    sizes: dict[str, FloatArray],
-    some: IntArray,
-    of: IntArray,
-    thrust: IntArray,
-    others: dict[str, OperatingPointResults],
-    states: int,
+    cases: _FollowedCases, others: dict[str, OperatingPointResults], states: int
 ) -> _SolvedStates:
-    """Return the largest forces in states along `some` cases: sweeps `of` a grid, a thrust each."""
-    sweeps = grid.sweeps
-    place = motion.place[:, some]
-    of, thrust = of[some], thrust[some]
-    loose = grid.is_thrust_unsettled(of, thrust, line.stop[0])
+    """Return the largest forces in states along cases, and among `others` off their speeds."""
+    sweeps, of, sizes = cases.grid.sweeps, cases.sweep, cases.sizes
+    loose = cases.is_unsettled
     met, solved = (np.isin(np.arange(states), sweeps.state[of]) for _ in range(2))
-    solved[sweeps.state[of[loose | ~_is_followed(place, len(line.free))]]] = False
-    sizes = {kind: values[:, some] for kind, values in sizes.items()}
-    speeds = at_places(sweeps.speeds, place, of)
+    solved[sweeps.state[of[loose | cases.is_lost]]] = False
+    speeds = at_places(sweeps.speeds, cases.place, of)
     forces: dict[str, FloatArray] = {}
     points: dict[str, PointRows] = {}
     for kind in FORCE_KINDS:
@@ -219,7 +264,7 @@ def _solved(
             speed[s] = np.where(more, speeds[top[c], c], speed[s])
         forces[kind] = np.where(met[:, None] & np.isfinite(most), most, np.nan)
         points[kind] = curve, speed
-    far = np.full((states, line.stop.shape[-1]), -np.inf)
+    far = np.full((states, len(cases.stop)), -np.inf)
     np.maximum.at(far, sweeps.state[of], sizes["travel"].max(axis=0))
     return _SolvedStates(
         is_solved=solved,
@@ -249,23 +294,26 @@ def _sweeps(
     forces: OperatingPointResults,
     stop: FloatArray,
     states: BoolArray,
-) -> _Sweeps:
-    """Return the curves of `states` on which linear rubber comes to a stop."""
+) -> _Sweeps | None:
+    """Return the curves of `states` on which linear rubber comes to a stop; None without one."""
     between: dict[tuple[int, int], list[float]] = {}
     beyond = (np.nan_to_num(travel.results.peak) > NEAR_STOP_SHARE * stop).any(axis=-1)
     for p, s in np.argwhere(beyond & states).tolist():
         key = s, int(travel.curve_index[p, s])
         between.setdefault(key, []).append(float(travel.speed[p, s]))
+    if not between:
+        return None
     most = mounts.torque_curves.max_speed
     keys = sorted(between)
     low, high = SPEED_REACH
+    fastest = np.array([most[c, s] for s, c in keys])
+    reach = high * np.maximum(np.array([max(between[k]) for k in keys]), 1e-3 * fastest)
     return _Sweeps(
         state=np.array([s for s, _ in keys], dtype=int),
         curve=np.array([c for _, c in keys], dtype=int),
         low=np.array([low * min(between[k]) for k in keys]),
-        high=np.array([
-            min(high * max(max(between[s, c]), 1e-3 * most[c, s]), most[c, s]) for s, c in keys
-        ]),
+        high=np.minimum(reach, fastest),
+        ends_with_curve=reach >= fastest,
         crests=np.array([_crests(forces, s, c) for s, c in keys]).reshape(len(keys), -1).T,
     )  # fmt: skip
 
@@ -300,15 +348,6 @@ def _others(
     return {kind: largest_point(exact, kind) for kind in FORCE_KINDS}
 
 
-def _is_followed(place: FloatArray, speeds: int) -> BoolArray:
-    """Return of which cases (C,) motions (T, C) are found all along the speeds."""
-    found = np.sort(np.where(np.isnan(place), np.inf, place), axis=0)
-    last = speeds - 1.0
-    ends = np.array([[-0.0], [last]]) + 0 * place[:1]
-    every = np.sort(np.concatenate([np.minimum(found, last), ends]), axis=0)
-    return np.diff(every, axis=0).max(axis=0) <= _LARGEST_GAP
-
-
 def _waves(force: FloatArray) -> ComplexArray:
     """Return the amplitudes (..., B, K, 3) of components (..., M, 3 B)."""
     waves = force[..., 1::2, :] + 1j * force[..., 2::2, :]
@@ -331,8 +370,6 @@ class _Grid:
     weight : (Q, C, 3 B) N
     receptance : (Q, C, M 2B, M 2B) m/N
     stiffness, loss : (C, B, 2) N/m, (Q, C, B) signed as the speed
-    is_cut_off : (C,)
-        Whether the speeds end before the curve does.
     """
 
     sweeps: _Sweeps
