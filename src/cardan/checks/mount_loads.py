@@ -160,8 +160,8 @@ class MountLoads:
     def force_at_stop(self, name: str) -> FloatArray:
         """Return one of `FORCE_KINDS` on each bearing at least, where a stop is met, (..., n-2) N.
 
-        `bound_of_linear_rubber`, or what the line carries there without thrust, if that is solved
-        and larger. Where all of it is solved it is `evaluated_force`.
+        `bound_of_linear_rubber`, or what is solved of the line there, as without thrust, if that is
+        larger. Where all of it is solved it is `evaluated_force`.
         """
         least, solved = self.bound_of_linear_rubber(name), self.stop_response
         if solved is None:

@@ -46,6 +46,9 @@ SPEED_REACH = (0.7, 2.2)
 SPEED_COUNT = 40
 """Speeds at which a line is evaluated there; between two it is taken as linear."""
 
+SLIDING_TOLERANCE = 1e-3
+"""Of the slip force: a thrust that is less by more is what the stroke reaches, and held."""
+
 _LARGEST_GAP = 2.5
 """Speeds of the grid between two motions found, beyond which a line is not solved."""
 
@@ -224,7 +227,7 @@ class _FollowedCases:
 
     @property
     def is_unsettled(self) -> BoolArray:
-        """In which cases thrust itself takes the mean beyond a stop, (C,)."""
+        """In which cases thrust that the stroke limits takes the mean beyond a stop, (C,)."""
         return self.grid.is_thrust_unsettled(self.sweep, self.thrust, self.stop)
 
     @property
@@ -368,7 +371,12 @@ class _Grid:
         What thrust adds to its mean: none, pushed in, drawn out.
     order1 : (Q, C, B) N
     weight : (Q, C, 3 B) N
-    receptance : (Q, C, M 2B, M 2B) m/N
+    on, coupling, speed, torque
+        The line on its slowest modes in the states of the sweeps, (C), and at their points, (Q, C).
+    compression : (V, Q, C) N
+        Of the spline with those thrusts where it slides, and takes stiffness off; else 0.
+    is_sliding : (V, C)
+        Whether friction limits that, not the stroke.
     stiffness, loss : (C, B, 2) N/m, (Q, C, B) signed as the speed
     """
 
@@ -377,7 +385,12 @@ class _Grid:
     thrust: FloatArray
     order1: FloatArray
     weight: FloatArray
-    receptance: FloatArray
+    on: MountedLine
+    coupling: ComplexArray
+    speed: FloatArray
+    torque: FloatArray
+    compression: FloatArray
+    is_sliding: BoolArray
     stiffness: FloatArray
     loss: FloatArray
 
@@ -426,7 +439,17 @@ class _Grid:
         waves = np.where(signed[..., None, None] < 0, np.conj(waves), waves)
         thrust = mounts.thrust_effect(asked)
         none = np.zeros_like(found.mean)
-        effects = [none] if thrust is None else [none, *thrust.force]
+        effects, pressed = [none], [np.zeros_like(signed)]
+        slides = [np.ones(len(sweeps.state), dtype=bool)]
+        if thrust is not None:
+            effects += [*thrust.force]
+            slip = own(np.nan_to_num(inputs.spline_force_at(asked.torque)), 0)
+            for each in thrust.thrust:
+                P = -own(each, 1)
+                limit = (1 - SLIDING_TOLERANCE) * slip[..., None]
+                slides.append((np.abs(P) >= limit).all(axis=(0, -1)))
+                pressed.append(slides[-1] * np.take_along_axis(
+                    P, np.abs(P).argmax(axis=-1, keepdims=True), axis=-1)[..., 0])  # fmt: skip
         B = frame.shape[-3]
         size = (len(sweeps.state), B)
         return cls(
@@ -437,7 +460,12 @@ class _Grid:
             thrust=np.stack([local(own(e, 2)) for e in effects]),
             order1=own(found.order1, 1),
             weight=local(own(weight, 2)),
-            receptance=stop_receptance(on, own(coupling, 2), speed=signed, torque=torque),
+            on=on,
+            coupling=own(coupling, 2),
+            speed=signed,
+            torque=torque,
+            compression=np.stack(pressed),
+            is_sliding=np.stack(slides),
             stiffness=np.broadcast_to(on.stiffness[..., :2], (*size, 2)),
             loss=np.sign(signed)[..., None] * np.broadcast_to(on.loss, size),
         )
@@ -473,13 +501,13 @@ class _Grid:
         return of, thrust
 
     def is_thrust_unsettled(self, of: IntArray, thrust: IntArray, stop: FloatArray) -> BoolArray:
-        """Return in which cases thrust itself takes the mean beyond a stop, (C',).
+        """Return in which cases thrust that the stroke limits takes the mean beyond a stop, (C',).
 
         The stop then holds the bow that takes up the stroke, and with it the thrust.
         """
         still = self.travel(of, thrust)[..., 0, :]
         far = np.linalg.norm(still.reshape(*still.shape[:-1], -1, 2), axis=-1)
-        return (thrust > 0) & (far > stop).any(axis=(0, -1))
+        return ~self.is_sliding[thrust, of] & (far > stop).any(axis=(0, -1))
 
     def line(
         self, of: IntArray, thrust: IntArray, stop: FloatArray, ratios: FloatArray
@@ -487,7 +515,13 @@ class _Grid:
         """Return cases of the sweeps with their stops and a ratio (C', B) each."""
         return StoppedLine(
             free=self.travel(of, thrust),
-            receptance=self.receptance[:, of],
+            receptance=stop_receptance(
+                self.on.select_states(of.tolist()),
+                self.coupling[:, of],
+                speed=self.speed[:, of],
+                torque=self.torque[:, of],
+                compression=self.compression[thrust, :, of].T,
+            ),
             stiffness=self.stiffness[of],
             stop=np.broadcast_to(stop, (len(of), self.stiffness.shape[-2])),
             ratio=ratios,

@@ -4,15 +4,26 @@ import numpy as np
 import pytest
 from repository import EXAMPLES
 from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve
 
 from cardan.application import reader
 from cardan.checks.line_response import compute_line_response
+from cardan.model.layout import layout_from_points
 from cardan.physics.loads.centre_bearing import loads_of_turning_line
+from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.operating_points import demand_at_operating_points
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
 
 COLLECTOR = (EXAMPLES / "refuse-collector-6x2.yaml").read_text(encoding="utf-8")
+MEDIUM = (EXAMPLES / "medium-truck-4x2.yaml").read_text(encoding="utf-8")
 STOP, RATIO = 15e-3, 5.0
+
+
+def response(text: str):
+    application = reader.loads(text)
+    return compute_line_response(
+        application, line_state_demand(resolve_line_references(application, application.lines[0]))
+    )
 
 
 class _LineInTime:
@@ -108,10 +119,7 @@ def test_forces_of_two_bearings_at_stop_match_integration_in_time():
     text = COLLECTOR.replace(
         "centre_bearing: {", f"centre_bearing: {{travel_mm: 15, stop_stiffness_ratio: {RATIO:g}, "
     )
-    application = reader.loads(text)
-    r = compute_line_response(
-        application, line_state_demand(resolve_line_references(application, application.lines[0]))
-    )
+    r = response(text)
     solved, state = r.mount_loads.stop_response, r.demand.states.index("full rebound")
     assert solved.is_solved[state]
     worst = solved.points["dynamic"]
@@ -124,3 +132,51 @@ def test_forces_of_two_bearings_at_stop_match_integration_in_time():
     assert solved.force("dynamic")[state, 1] == pytest.approx(largest[1], rel=0.02)
     linear = r.mount_loads.bearing_force("dynamic")[state, 1]
     assert largest[1] > 1.1 * linear
+
+
+def test_mean_force_of_sliding_thrust_at_stop_matches_statics_of_the_bent_line():
+    """The medium truck's bearing: crosses' moments and slip force act where the stop holds it.
+
+    Rigid statics of the line with its joint moved, against rubber and stop, with no stiffness of
+    torque or thrust in it. The check adds other places of the stroke and what order 2 sets down.
+    """
+    more = f"{{travel_mm: 15, stop_stiffness_ratio: {RATIO:g}, "
+    r = response(MEDIUM.replace("centre_bearing: {", f"centre_bearing: {more}"))
+    inputs, states, state = r.inputs, len(r.demand.states), r.demand.states.index("gvw")
+    solved = r.mount_loads.stop_response
+    assert solved.is_solved[state]
+    worst = solved.points["static"]
+    asked = demand_at_operating_points(
+        inputs.demand, r.mounts.torque_curves,
+        curve=np.full((1, states), int(worst.curve_index[state, 0])),
+        speed=np.full((1, states), float(worst.speed[state, 0])),
+    )  # fmt: skip
+    laid, T = inputs.layout_for(asked), np.nan_to_num(asked.torque)
+    frame = np.broadcast_to(r.mounts.mounted_line.bearing_frame, (states, 1, 3, 3))[state, 0]
+    k = np.broadcast_to(r.mounts.mounted_line.stiffness, (states, 1, 3))[state, 0, :2]
+    slip = float(inputs.spline_force_at(T)[0, state])
+    length = laid.lengths[0, state, 0]
+    share = 1 - inputs.line.centre_bearings[0].from_rear_joint / length
+    weight = bearing_forces_of_weight_and_thrust(laid, inputs.line, gravity=inputs.gravity)[0]
+
+    def rigid(x):
+        points, d = laid.points.copy(), laid.directions
+        points[0, state, 1] += frame[:2].T @ (x / share)
+        there = layout_from_points(points, gearbox=d[..., 0, :], pinion=d[..., -1, :])
+        _, carried = loads_of_turning_line(there, inputs.line, inputs.phases, torque=T, speed=0 * T)
+        _, pulled = bearing_forces_of_weight_and_thrust(there, inputs.line, gravity=0.0)
+        return carried.bearing_forces.order(0).real[0, state, 0] - slip * pulled[0, state, 0]
+
+    def rubber(x):
+        far = np.hypot(*x)
+        if far <= STOP:
+            return k * x
+        n, gap = x / far, far - STOP
+        kn = k @ n**2
+        return k * x + (RATIO - 1) * gap * (kn * n + gap / far * (k - kn) * n)
+
+    bent = fsolve(lambda x: (frame @ rigid(x))[:2] - rubber(x), np.zeros(2))
+    assert np.hypot(*bent) > STOP
+    mean = np.linalg.norm(rigid(bent) + weight[0, state, 0])
+    assert solved.force("static")[state, 0] == pytest.approx(mean, rel=0.04)
+    assert r.mount_loads.bearing_force("static")[state, 0] > solved.force("static")[state, 0]

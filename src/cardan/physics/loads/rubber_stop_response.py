@@ -159,12 +159,18 @@ def stop_forces(
 
 
 def stop_receptance(
-    on: MountedLine, coupling: ComplexArray, *, speed: FloatArray, torque: FloatArray
+    on: MountedLine,
+    coupling: ComplexArray,
+    *,
+    speed: FloatArray,
+    torque: FloatArray,
+    compression: FloatArray,
 ) -> FloatArray:
     """Return what a stop's forces at the bearings move them, (..., M 2B, M 2B) m/N.
 
     Of a line in small motion at a speed rad/s under a torque N m, signed, whose order 2
     (`coupling` (..., N, N) of 1 N m, `MountedLine.order2_coupling`) ties orders 0, 2 and 4.
+    A compression (...) N of the spline, which slides, takes stiffness off the mean.
     Components as `StoppedLine.free` has them, by the angle of the turn.
     """
     N = on.mass.shape[-1]
@@ -174,7 +180,9 @@ def stop_receptance(
     Sr, Si = S.real, S.imag
     cases, size = np.broadcast_shapes(S.shape[:-2], speed.shape), across.shape[-2]
     tied = np.zeros((*cases, 5, N, 5, N))
-    tied[..., 0, :, 0, :] = on.stiffness_under_torque(torque)
+    tied[..., 0, :, 0, :] = (
+        on.stiffness_under_torque(torque) - compression[..., None, None] * on.geometric
+    )
     tied[..., 0, :, 1, :], tied[..., 0, :, 2, :] = -Sr, -Si
     tied[..., 1, :, 0, :], tied[..., 2, :, 0, :] = -2 * Sr, -2 * Si
     tied[..., 1, :, 3, :], tied[..., 1, :, 4, :] = -Sr, -Si
