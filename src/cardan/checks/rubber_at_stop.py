@@ -68,7 +68,9 @@ class StopResponse:
         Largest at any operating point of the state. Of a state that is not solved, at least
         that; nan of one that meets no stop.
     points
-        The points (S, n-2) of the largest of them, at its ratio.
+        The points (S, n-2) of the largest of them, with the largest ratio.
+    peak_parts : (S, n-2) N, of "static" and "dynamic"
+        What the peak force consists of at its point, beside unbalance.
     travel : (R, S, n-2) m
         Largest way across the shaft.
     """
@@ -77,6 +79,7 @@ class StopResponse:
     is_solved: BoolArray
     forces: dict[str, FloatArray]
     points: dict[str, LineOperatingPoints]
+    peak_parts: dict[str, FloatArray]
     travel: FloatArray
 
     def force(self, kind: str) -> FloatArray:
@@ -177,6 +180,7 @@ def stop_response(
         is_solved=stiff.is_solved,
         forces={k: np.stack([one.forces[k] for one in each]) for k in FORCE_KINDS},
         points={k: _points(mounts, *stiff.points[k]) for k in FORCE_KINDS},
+        peak_parts=stiff.peak_parts,
         travel=np.stack([one.travel for one in each]),
     )
 
@@ -191,6 +195,7 @@ class _SolvedStates:
     is_solved: BoolArray
     forces: dict[str, FloatArray]
     points: dict[str, PointRows]
+    peak_parts: dict[str, FloatArray]
     travel: FloatArray
 
 
@@ -253,6 +258,7 @@ def _solved(
     speeds = at_places(sweeps.speeds, cases.place, of)
     forces: dict[str, FloatArray] = {}
     points: dict[str, PointRows] = {}
+    parts = {k: getattr(others["peak"].results, k).copy() for k in ("static", "dynamic")}
     for kind in FORCE_KINDS:
         linear, size = others[kind], sizes[kind]
         most = np.nan_to_num(getattr(linear.results, kind), nan=-np.inf)
@@ -265,6 +271,10 @@ def _solved(
             most[s] = np.where(more, largest[c], most[s])
             curve[s] = np.where(more, sweeps.curve[of[c]], curve[s])
             speed[s] = np.where(more, speeds[top[c], c], speed[s])
+            if kind == "peak":
+                for k, values in parts.items():
+                    own = sizes[k][top[c], c, np.arange(len(cases.stop))]
+                    values[s] = np.where(more, own, values[s])
         forces[kind] = np.where(met[:, None] & np.isfinite(most), most, np.nan)
         points[kind] = curve, speed
     far = np.full((states, len(cases.stop)), -np.inf)
@@ -273,6 +283,7 @@ def _solved(
         is_solved=solved,
         forces=forces,
         points=points,
+        peak_parts=parts,
         travel=np.where(solved[:, None], far, np.nan),
     )
 
