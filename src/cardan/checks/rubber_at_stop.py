@@ -107,7 +107,8 @@ class _Sweeps:
         """The speeds of the grid, (Q, C) rad/s, a share apart; `crests` (K, C) are among them."""
         first = np.maximum(self.low, self.high / SPEED_REACH[1] / 4)
         share = np.linspace(0, 1, SPEED_COUNT - 1)[:, None]
-        grid = first * (self.high / first) ** share
+        span = np.divide(self.high, first, out=np.ones_like(first), where=first > 0)
+        grid = first * span**share  # of a line that does not turn all at 0
         start = np.where(self.low < first, self.low, 0.5 * (3 * grid[0] - grid[1]))
         found = np.concatenate([np.minimum(start, grid[0])[None], grid])
         for crest in self.crests:
