@@ -315,7 +315,7 @@ def _forces_at_stop_of_tempered_rubber(
         return {}
     each = [with_rubber_stiffness(r, ends).mount_loads for ends in zip(
         *_stiffness_ranges(r), strict=True)]  # fmt: skip
-    margins = [one.stop_margin("peak") for one in each]
+    margins = np.broadcast_arrays(*(one.stop_margin("peak") for one in each))
     known = np.stack([
         (margin >= 0) | one.is_solved_at_stop for one, margin in zip(each, margins, strict=True)
     ])  # fmt: skip
@@ -323,7 +323,7 @@ def _forces_at_stop_of_tempered_rubber(
     meets = meets.any(axis=(0, -1), keepdims=True)
     both = {q: np.stack([one.evaluated_force(q.removeprefix(_FORCE)) for one in each])
             for q in kinds}  # fmt: skip
-    return {q: np.where(meets, np.where(known, both[q], np.nan), found[q]) for q in kinds}
+    return {q: np.where(meets & known, both[q], found[q]) for q in kinds}
 
 
 ASSUMED_INPUTS = (
