@@ -120,6 +120,7 @@ class BracketComplianceTable(Table):
     )
 
 
+_STOP_RATIO = NumberField(least=1, most=200, usual=(3, 50))
 _TEMPERATURE = ListField(NumberField(least=0.1, most=20, usual=(0.4, 4)), "hot", "cold")
 
 
@@ -147,6 +148,10 @@ class CentreBearingTable(Table):
         "known if left out",
         default=None,
     )
+    stop_stiffness_ratio: Annotated[float, _STOP_RATIO] | None = table_key_field(
+        "of the rubber beyond that travel, over its stiffness; 5 to 20, assumed, if left out",
+        default=None,
+    )
     stiffness_range: Annotated[tuple[float, float], _TEMPERATURE] | None = table_key_field(
         "of the rubber hot and cold, over that stiffness; 0.7 and 2, assumed, if left out",
         default=None,
@@ -168,6 +173,11 @@ class CentreBearingTable(Table):
                 "what gives has a travel: the bearing has no stiffness, and is rigid",
                 "give stiffness_N_mm of the rubber, or leave its travel out",
             )
+        if self.stop_stiffness_ratio is not None and pair is None:
+            self.reader_of("stop_stiffness_ratio").reject(
+                "what is rigid has no stop: the bearing has no stiffness",
+                "give stiffness_N_mm of the rubber, or leave its ratio out",
+            )
         if self.stiffness_range is not None:
             if pair is None:
                 self.reader_of("stiffness_range").reject(
@@ -187,6 +197,7 @@ class CentreBearingTable(Table):
             bracket_stiffness=self.bracket and self.bracket.stiffness,
             bracket_loss=self.bracket.loss_factor if self.bracket else DEFAULT_BRACKET_LOSS_FACTOR,
             travel=self.travel,
+            stop_stiffness_ratio=self.stop_stiffness_ratio,
             stiffness_range=self.stiffness_range,
         )
 

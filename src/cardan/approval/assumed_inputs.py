@@ -12,11 +12,13 @@ import numpy as np
 
 from cardan.application.typical_values import typical_value
 from cardan.approval.driveline_study import EvaluatedLimit, evaluate_limits
+from cardan.checks.line_on_mounts import mounted_line_of
 from cardan.checks.line_response import LineResponse, compute_line_response
-from cardan.checks.rubber_stiffness import results_with_rubber_stiffness
+from cardan.checks.rubber_at_stop import FORCE_KINDS, StopResponse
+from cardan.checks.rubber_stiffness import results_with_rubber_stiffness, with_rubber_stiffness
 from cardan.core.arrays import FloatArray
 from cardan.core.lazy_dataclass import dataclass
-from cardan.core.verdict import AssumedRange, Check
+from cardan.core.verdict import CHECK_GRADES, AssumedRange, Check
 from cardan.model.application import Application
 from cardan.physics.loads.rubber_mount import LOSS_FACTOR_RANGE, RUBBER_STIFFNESS_RANGE
 from cardan.physics.strength.bearing_life import PRIME_MOVER_FACTORS
@@ -193,14 +195,64 @@ def _loss_factor(r: LineResponse) -> AssumedRange | None:
 def _forces_at_loss_factors(
     r: LineResponse, of: AssumedRange, quantities: frozenset[str]
 ) -> ValuesAtEnds:
-    """Return forces at the points where they are largest, with other losses of the rubber."""
+    """Return forces at the points where they are largest, with other losses of the rubber.
+
+    Where rubber meets its stop they are solved again, unless they fail all the same.
+    """
     found = r.mount_loads.forces_with_other_loss_factors(np.array([[of.low], [of.high]]))
     names = {"centre_bearing_dynamic": found.dynamic, "centre_bearing_peak": found.peak}
+    base = _by_place(evaluate_limits(r, quantities=quantities))
+    at_stop = r.mount_loads.is_solved_at_stop
+    if at_stop.any():
+        fail = CHECK_GRADES.index("fail")
+        fails = any(((q.grades() == fail) & at_stop & ~np.isnan(q.values)).any()
+                    for q in base.values())  # fmt: skip
+        solved = [None if fails else _at_stop_with_loss_factor(r, end) for end in (of.low, of.high)]
+        for name in names:
+            kind = name.removeprefix("centre_bearing_")
+            ends = [np.nan if one is None else np.where(one.is_solved[:, None], one.force(kind),
+                    np.nan) for one in solved]  # fmt: skip
+            ends = np.stack(np.broadcast_arrays(*ends, names[name][0])[:-1])
+            names[name] = np.where(at_stop, ends, names[name])
     return {
         place: np.broadcast_to(names[place[0]], (2, *q.values.shape[-2:]))
-        for place, q in _by_place(evaluate_limits(r, quantities=quantities)).items()
+        for place, q in base.items()
     }
 
+
+def _at_stop_with_loss_factor(r: LineResponse, assumed: float) -> StopResponse | None:
+    """Return what bearings carry at their stops with another loss factor of the rubber."""
+    held = mounted_line_of(r.inputs, assumed=assumed)
+    return held and r.mount_loads.stop_response_on(held)
+
+
+def _stop_stiffness_ratio(r: LineResponse) -> AssumedRange | None:
+    solved = r.mount_loads.stop_response
+    if solved is None or not solved.is_solved.any() or len(solved.ratios) == 1:
+        return None
+    return AssumedRange(
+        "centre_bearing.stop_stiffness_ratio",
+        float(solved.ratios[0].min()),
+        float(solved.ratios[-1].max()),
+    )
+
+
+def _forces_at_stop_stiffness_ratios(
+    r: LineResponse, of: AssumedRange, quantities: frozenset[str]
+) -> ValuesAtEnds:
+    """Return forces where rubber meets its stop, with both ends of its stiffness there."""
+    del of  # both ends are solved
+    solved = r.mount_loads.stop_response
+    assert solved is not None  # or it has no range
+    return {
+        place: np.where(
+            solved.is_solved[:, None], solved.forces[place[0].removeprefix(_FORCE)], np.nan
+        )
+        for place in _by_place(evaluate_limits(r, quantities=quantities))
+    }
+
+
+_FORCE = "centre_bearing_"
 
 _OF_RUBBER = frozenset(
     {
@@ -241,6 +293,7 @@ def _results_at_rubber_stiffnesses(
     stops = "centre_bearing_travel_utilisation"
     asked = quantities | ({"centre_bearing_travel"} if stops in quantities else set[str]())
     found = results_with_rubber_stiffness(r, shares, quantities=asked)
+    found |= _forces_at_stop_of_tempered_rubber(r, found, quantities)
     if "centre_bearing_travel" in found:
         stopped = [k for k, b in enumerate(r.line.centre_bearings) if b.travel is not None]
         over = found["centre_bearing_travel"] / r.mount_loads.mount_stop_travel
@@ -250,6 +303,28 @@ def _results_at_rubber_stiffnesses(
         for place in _by_place(evaluate_limits(r, quantities=quantities))
         if place[0] in found
     }
+
+
+def _forces_at_stop_of_tempered_rubber(
+    r: LineResponse, found: Mapping[str, FloatArray], quantities: frozenset[str]
+) -> dict[str, FloatArray]:
+    """Return forces of rubber hot and cold with its stop, where one of both may meet it."""
+    loads, kinds = r.mount_loads, [q for q in quantities if q in found and q.startswith(_FORCE)]
+    softest = min(low for low, _ in _stiffness_ranges(r))
+    kinds = [q for q in kinds if q.removeprefix(_FORCE) in FORCE_KINDS]
+    if not kinds or not (loads.stop_margin("peak") < 1 - softest).any():
+        return {}
+    each = [with_rubber_stiffness(r, ends).mount_loads for ends in zip(
+        *_stiffness_ranges(r), strict=True)]  # fmt: skip
+    margins = np.broadcast_arrays(*(one.stop_margin("peak") for one in each))
+    known = np.stack([
+        (margin >= 0) | one.is_solved_at_stop for one, margin in zip(each, margins, strict=True)
+    ])  # fmt: skip
+    meets = np.stack([margin < 0 for margin in margins]) | loads.is_solved_at_stop
+    meets = meets.any(axis=(0, -1), keepdims=True)
+    both = {q: np.stack([one.evaluated_force(q.removeprefix(_FORCE)) for one in each])
+            for q in kinds}  # fmt: skip
+    return {q: np.where(meets & known, both[q], found[q]) for q in kinds}
 
 
 ASSUMED_INPUTS = (
@@ -283,6 +358,12 @@ ASSUMED_INPUTS = (
         reach=0.6,
         range_in=_loss_factor,
         values_at_ends=_forces_at_loss_factors,
+    ),
+    AssumedInput(
+        quantities=frozenset({"centre_bearing_dynamic", "centre_bearing_peak"}),
+        reach=0.7,
+        range_in=_stop_stiffness_ratio,
+        values_at_ends=_forces_at_stop_stiffness_ratios,
     ),
     AssumedInput(
         quantities=_OF_RUBBER,

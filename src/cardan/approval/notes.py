@@ -200,6 +200,8 @@ def _assumed_losses(responses: Iterable[LineResponse]) -> Iterator[TranslatableM
         ):
             continue
         force = QUANTITIES["centre_bearing_dynamic"].values(r)
+        # Where rubber meets its stop another crest counts than that of linear rubber.
+        force = np.where(r.mount_loads.is_solved_at_stop, np.nan, force)
         if np.isnan(force).all():  # of a line of unknown speed, or that swings
             continue
         s, k = np.unravel_index(int(np.nanargmax(force)), force.shape)
@@ -230,16 +232,47 @@ def _beyond_stops(responses: Iterable[LineResponse]) -> Iterator[TranslatableMes
             np.broadcast_to(r.mount_loads.mount_stop_travel, moves.shape[-1:]).tolist()
         ):
             beyond = moves[:, k] > stop * (1 + MARGIN_TOLERANCE)
-            if beyond.any():
+            if not beyond.any():
+                continue
+            given = {
+                "bearing": k + 1,
+                "line": r.line.name,
+                "states": _where(r, beyond),
+                "moves": _mm(np.nanmax(moves[:, k])),
+                "stop": _mm(stop),
+            }
+            if (beyond & ~r.mount_loads.is_solved_at_stop[:, 0]).any():
                 yield translatable_message(
                     "centre bearing {bearing} of line {line} goes beyond its stop in {states}: up "
                     "to {moves} mm, where its rubber has {stop}; forces there are lower bounds (≥)",
-                    bearing=k + 1,
-                    line=r.line.name,
-                    states=_where(r, beyond),
-                    moves=_mm(np.nanmax(moves[:, k])),
-                    stop=_mm(stop),
+                    **given,
                 )
+            else:
+                yield translatable_message(
+                    "centre bearing {bearing} of line {line} meets its stop in {states}: linear "
+                    "rubber would move by up to {moves} mm, and has {stop}; beyond that it is "
+                    "taken as {ratio} times as stiff, peak force {peak} N",
+                    **given,
+                    **_stiffer_beyond_stop(r, beyond, k),
+                )
+
+
+def _stiffer_beyond_stop(r: LineResponse, states: BoolArray, bearing: int) -> dict[str, str]:
+    """Return how stiff a bearing is taken beyond its stop, and its largest peak force there."""
+    solved = r.mount_loads.stop_response
+    assert solved is not None  # of states in which it is
+    peaks = solved.forces["peak"][:, states, bearing]
+    peaks = peaks[:, np.nanargmax(peaks[-1])]
+    known = ~np.isnan(peaks)
+    return {
+        "ratio": _from_to([f"{ratio:g}" for ratio in solved.ratios[known, bearing]]),
+        "peak": _from_to([_figures(force) for force in sorted(peaks[known])]),
+    }
+
+
+def _from_to(ends: list[str]) -> str:
+    """Return a range, or the one value of both ends."""
+    return "–".join(dict.fromkeys(ends))
 
 
 def _giving_rubber(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage]:
@@ -250,17 +283,31 @@ def _giving_rubber(responses: Iterable[LineResponse]) -> Iterator[TranslatableMe
             continue
         s, k = np.unravel_index(int(np.nanargmax(told)), told.shape)
         assert r.mount_loads.worst_bearing_travel is not None  # or nothing moves
-        yield translatable_message(
-            "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
-            "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily; beyond "
-            "{stop} mm, an assumed stop, forces are lower bounds (≥): give travel_mm",
-            bearing=int(k) + 1,
-            line=r.line.name,
-            moves=_mm(told[s, k]),
-            state=r.demand.states[s],
-            steady=_mm(r.mount_loads.worst_bearing_travel.results.static[s, k]),
-            stop=_mm(DEFAULT_STOP_TRAVEL_M),
-        )
+        given = {
+            "bearing": int(k) + 1,
+            "line": r.line.name,
+            "moves": _mm(told[s, k]),
+            "state": r.demand.states[s],
+            "steady": _mm(r.mount_loads.worst_bearing_travel.results.static[s, k]),
+            "stop": _mm(DEFAULT_STOP_TRAVEL_M),
+        }
+        solved = np.broadcast_to(r.mount_loads.is_solved_at_stop[:, 0], told.shape[:1])
+        if solved[s]:
+            yield translatable_message(
+                "rubber is taken as linear up to its stop: centre bearing {bearing} of line {line} "
+                "would move by up to {moves} mm in {state}, {steady} mm of it steadily; beyond "
+                "{stop} mm, an assumed stop, it is taken as {ratio} times as stiff, peak force "
+                "{peak} N: give travel_mm and stop_stiffness_ratio",
+                **given,
+                **_stiffer_beyond_stop(r, np.arange(len(told)) == s, int(k)),
+            )
+        else:
+            yield translatable_message(
+                "rubber is taken as linear and without a stop: centre bearing {bearing} of line "
+                "{line} moves by up to {moves} mm in {state}, {steady} mm of it steadily; beyond "
+                "{stop} mm, an assumed stop, forces are lower bounds (≥): give travel_mm",
+                **given,
+            )
 
 
 def _set_down(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage]:

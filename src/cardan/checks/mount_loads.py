@@ -16,12 +16,14 @@ from cardan.checks.candidate_points import (
 from cardan.checks.line_on_mounts import LineOnMounts
 from cardan.checks.operating_point_results import OperatingPointResults
 from cardan.checks.rigid_line_loads import RigidLineLoads
-from cardan.core.arrays import FloatArray, stack_on_last_axis
+from cardan.checks.rubber_at_stop import StopResponse, stop_response
+from cardan.core.arrays import BoolArray, FloatArray, stack_on_last_axis
 from cardan.core.labels import OrderCrossing
 from cardan.core.lazy_dataclass import dataclass
 from cardan.model import layout
 from cardan.physics.loads.centre_bearing import BearingForces
-from cardan.physics.loads.rubber_mount import DEFAULT_STOP_TRAVEL_M
+from cardan.physics.loads.rubber_mount import DEFAULT_STOP_TRAVEL_M, MountedLine
+from cardan.physics.loads.rubber_stop_response import STOP_STIFFNESS_RANGE
 from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.operating_points import LineOperatingPoints
 from cardan.physics.vehicle.state_demand import LineStateDemand
@@ -158,14 +160,113 @@ class MountLoads:
     def force_at_stop(self, name: str) -> FloatArray:
         """Return one of `FORCE_KINDS` on each bearing at least, where a stop is met, (..., n-2) N.
 
-        The larger of the force of linear rubber and `least_force_at_stop`, less the mean where
-        only what shakes counts. The former alone of a bearing that stays within its own stop.
+        `bound_of_linear_rubber`, or what is solved of the line there, as without thrust, if that is
+        larger. Where all of it is solved it is `evaluated_force`.
+        """
+        least, solved = self.bound_of_linear_rubber(name), self.stop_response
+        if solved is None:
+            return least
+        own = np.where(self._is_beyond_own_stop(name), solved.force(name), -np.inf)
+        return np.where(solved.is_solved[:, None], solved.force(name), np.fmax(least, own))
+
+    def bound_of_linear_rubber(self, name: str) -> FloatArray:
+        """Return what linear rubber says of one of `FORCE_KINDS` at a stop, (..., n-2) N.
+
+        The larger of its force and `least_force_at_stop`, less the mean where only what shakes
+        counts. The former alone of a bearing that stays within its own stop.
         """
         contact, linear = self.least_force_at_stop, self.bearing_force(name)
         if name == "dynamic":
             contact = np.maximum(contact - self.bearing_force("static"), 0.0)
-        beyond = self._own_stop_margin("static" if name == "static" else "peak") < 0
-        return np.where(beyond, np.fmax(contact, linear), linear)
+        return np.where(self._is_beyond_own_stop(name), np.fmax(contact, linear), linear)
+
+    def _is_beyond_own_stop(self, name: str) -> BoolArray:
+        return self._own_stop_margin("static" if name == "static" else "peak") < 0
+
+    def crest_over_linear(self, name: str) -> FloatArray:
+        """Return one of `FORCE_KINDS` over what linear rubber says of it, (S, n-2) 1."""
+        if self.stop_response is None:
+            return np.ones((1, 1))
+        linear = self.bound_of_linear_rubber(name)
+        return self.force_at_stop(name) / np.where(linear > 0, linear, np.inf)
+
+    @cached_property
+    def stop_response(self) -> StopResponse | None:
+        """What bearings carry in states in which rubber meets its stop; None where none does.
+
+        Of one design. Of many it is too dear: their forces there are lower bounds.
+        """
+        held = self.mounts.mounted_line
+        return held and self.stop_response_on(held)
+
+    def stop_response_on(self, held: MountedLine) -> StopResponse | None:
+        """Return `stop_response` of a line that moves otherwise, as with another loss factor."""
+        screened, refined = self.screened_forces, self.refined_forces
+        if screened is None or refined is None:
+            return None
+        beyond = np.asarray((self._own_stop_margin("peak") < 0).any(axis=-1))
+        if beyond.ndim > 1 or not beyond.any():  # of many designs it is too dear
+            return None
+        return stop_response(
+            self.mounts,
+            screened.travel,
+            refined,
+            stop=self.rubber_stop_travel.reshape(-1),
+            ratios=self.stop_stiffness_ratios,
+            states=beyond,
+            held=held,
+        )
+
+    @property
+    def stop_stiffness_ratios(self) -> FloatArray:
+        """Stiffness of each bearing beyond its stop over that before it, (R, n-2).
+
+        `STOP_STIFFNESS_RANGE`, assumed, where a file does not give it: R is 2, or 1.
+        """
+        told = [b.stop_stiffness_ratio for b in self.mounts.inputs.line.centre_bearings]
+        hung = [bool(b.stiffness) for b in self.mounts.inputs.line.centre_bearings]
+        each = [
+            [1.0 if not soft else end if t is None else float(t) for t, soft in zip(
+                told, hung, strict=True)]
+            for end in STOP_STIFFNESS_RANGE
+        ]  # fmt: skip
+        return np.array(each[:1] if each[0] == each[1] else each)
+
+    @property
+    def is_solved_at_stop(self) -> BoolArray:
+        """Whether rubber meets its stop in a state and the forces there are solved, (S, 1)."""
+        solved = self.stop_response
+        return np.array([[False]]) if solved is None else solved.is_solved[:, None]
+
+    def evaluated_force(self, name: str) -> FloatArray:
+        """Return one of `FORCE_KINDS` on each bearing where it is largest, (..., n-2) N.
+
+        `bearing_force`; in a state in which rubber meets its stop, where it is solved, with it.
+        """
+        linear, solved = self.bearing_force(name), self.stop_response
+        if solved is None:
+            return linear
+        return np.where(solved.is_solved[:, None], solved.force(name), linear)
+
+    def evaluated_points(self, name: str) -> LineOperatingPoints | None:
+        """Return the points (..., S, n-2) of `evaluated_force`; None where a line has none."""
+        linear, solved = self.worst_bearing_forces.get(name), self.stop_response
+        if linear is None or solved is None:
+            return linear
+        own, of = solved.points[name], solved.is_solved[:, None]
+        return LineOperatingPoints(
+            curves=linear.curves,
+            curve_index=np.where(of, own.curve_index, linear.curve_index),
+            speed=np.where(of, own.speed, linear.speed),
+            torque=np.where(of, own.torque, linear.torque),
+        )
+
+    def force_validity_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
+        """Return `stop_margin` where forces are not solved with the stop, else 1."""
+        margin = self.stop_margin(kind)
+        return (
+            margin if self.stop_response is None else np.where(self.is_solved_at_stop, 1.0, margin)
+        )
 
     @cached_property
     def _weight(self) -> FloatArray:

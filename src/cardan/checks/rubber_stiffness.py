@@ -25,8 +25,11 @@ from cardan.core.arrays import FloatArray, broadcastable_axis_indices
 from cardan.model.parts import CentreBearing
 
 
-def with_rubber_stiffness(r: LineResponse, shares: Sequence[FloatArray]) -> LineResponse:
-    """Return a line whose rubber has `shares` (V, 1) of its stiffness, bearing by bearing."""
+def with_rubber_stiffness(r: LineResponse, shares: Sequence[FloatArray | float]) -> LineResponse:
+    """Return a line whose rubber has `shares` (V, 1) of its stiffness, bearing by bearing.
+
+    Of one variant, numbers.
+    """
     installed, each = r.demand.installed, iter(shares)
 
     def tempered(of: CentreBearing) -> CentreBearing:

@@ -127,7 +127,7 @@ def fix(
             echo_lines(correction_screen_lines(found, installed, helps=helps, say=say, width=wide))
     if write is not None:
         _write_proposal(found, proposal, write, limits=limits, say=say, quiet=json_out == "-")
-    exit_with_verdicts((found[0].approval if found else installed).verdict)
+    exit_with_verdicts(found[0].verdict if found else installed.verdict)
 
 
 def _write_proposal(

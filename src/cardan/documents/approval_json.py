@@ -8,11 +8,14 @@ and approximations are added.
 from math import pi
 from typing import Any
 
+import numpy as np
+
 from cardan.approval.approval import Approval
 from cardan.approval.registry import study_registrations
 from cardan.approval.study import load_function
 from cardan.checks.line_response import LineResponse
 from cardan.checks.quantities.registry import LINE_QUANTITIES, QUANTITIES
+from cardan.checks.rubber_at_stop import FORCE_KINDS
 from cardan.core.errors import FileIssue
 from cardan.core.labels import Part
 from cardan.core.units import deg, mm, rpm
@@ -209,6 +212,7 @@ def _mounted_bearing_json(r: LineResponse, s: int, k: int) -> dict[str, Any] | N
             "stop_mm": r.mount_loads.mount_stop_travel[..., k].item() / mm,
             **operating_point_json(goes),
         },
+        **_at_stop_json(r, s, k),
         "modes": [] if modes is None else [
             {
                 "frequency_Hz": frequency / (2 * pi),
@@ -221,6 +225,24 @@ def _mounted_bearing_json(r: LineResponse, s: int, k: int) -> dict[str, Any] | N
             )
         ],
     }  # fmt: skip
+
+
+def _at_stop_json(r: LineResponse, s: int, k: int) -> dict[str, Any]:
+    """Return what a bearing carries in a state in which rubber meets its stop, where solved."""
+    of = r.mount_loads.stop_response
+    if of is None or not of.is_solved[s]:
+        return {}
+    at = of.points["peak"].operating_point((s, k))
+    known = ~np.isnan(of.travel[:, s, k])
+    return {
+        "at_stop": {
+            "stop_mm": r.mount_loads.rubber_stop_travel.reshape(-1)[k] / mm,
+            "stiffness_ratio": of.ratios[known, k].tolist(),
+            **{f"{kind}_N": of.forces[kind][known, s, k].tolist() for kind in FORCE_KINDS},
+            "travel_mm": (of.travel[known, s, k] / mm).tolist(),
+            **({} if at is None else operating_point_json(at)),
+        }
+    }
 
 
 def _equivalent_angles_json(e: KinematicExcitation, s: int) -> dict[str, Any]:

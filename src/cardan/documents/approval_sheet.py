@@ -38,7 +38,12 @@ from cardan.render.blocks import (
     Table,
     Text,
 )
-from cardan.render.check_texts import limit_text, unit_text, value_text
+from cardan.render.check_texts import (
+    limit_text,
+    lower_bound_explanation,
+    unit_text,
+    value_text,
+)
 from cardan.render.i18n import Translator
 from cardan.render.phrases import (
     adjustment_phrase,
@@ -156,6 +161,8 @@ def _criteria_blocks(of: Approval, say: Translator) -> Iterator[Block]:
             words=3,
             grades=tuple((c.grade, "", "", "", "", "") for c in rows),
         )  # fmt: skip
+    for sentence in lower_bound_explanation((_achieved_text(c.worst, say) for c in rows), say):
+        yield Text(paragraphs=(f"{sentence}.",))
     if rest := len(criteria) - len(rows):
         more = say.count("{count} more in the annex", "{count} more in the annex", rest)
         yield Text(paragraphs=(f"{more}.",))

@@ -129,10 +129,14 @@ def _quantity_rows(at: _Place, quantity: str, say: Translator) -> Iterator[Row]:
 def _force_rows(at: _Place, say: Translator) -> Iterator[Row]:
     """Yield the parts of a force on rubber at the point where the whole is largest."""
     force, parts = FORCES_ON_RUBBER[at.check.quantity]
-    worst = at.own.mount_loads.worst_bearing_forces
+    loads, bearing = at.own.mount_loads, int(at.check.part.number) - 1
+    worst, solved = loads.worst_bearing_forces, loads.stop_response
     if force in worst:
         for name in parts:
-            value = getattr(worst[force].results, name)[at.state, int(at.check.part.number) - 1]
+            value = getattr(worst[force].results, name)[at.state, bearing]
+            if solved is not None and solved.is_solved[at.state]:
+                own = solved.peak_parts[name] if force == "peak" else solved.force(name)
+                value = own[at.state, bearing]
             quantity = f"centre_bearing_{name}"
             symbol = QUANTITIES[quantity].symbol
             yield f"{say.name(quantity)} ({symbol})", f"{say.number(float(value))} N"

@@ -181,6 +181,8 @@ class CentreBearing:
     bracket_stiffness: tuple[float, float, float] | None = None
     bracket_loss: float = DEFAULT_BRACKET_LOSS_FACTOR
     travel: Metre | None = None
+    stop_stiffness_ratio: float | None = None
+    """Stiffness beyond that travel over `stiffness`; None is not known."""
     stiffness_range: tuple[float, float] | None = None
     """Its stiffness hot and cold, over `stiffness`; None is not known."""
 

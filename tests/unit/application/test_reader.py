@@ -116,7 +116,7 @@ def test_the_truck_is_read_in_si():
     assert first.tube.outer == pytest.approx(5 * inch)
     assert first.centre_bearing.stiffness == pytest.approx((200e3, 120e3))
     assert first.centre_bearing.axial_stiffness == pytest.approx(60e3)
-    assert first.centre_bearing.loss_factor == 0.1
+    assert first.centre_bearing.loss_factor == 0.18
     assert first.yoke_mass == (9, 11)
     assert first.balance_grade == 40
     assert last.spline.plunge == pytest.approx(0.06)

@@ -150,7 +150,7 @@ def test_dynamic_clearance_is_evaluated_at_resonance(tmp_path):
     # And 5.1 N of the torque's, and none of the weight's: that hung there before.
     assert free - left == pytest.approx(1.690 + 5.1 / 120 / 2, abs=0.03)
     # Ten times the torque: 17 mm, which no rubber gives, is told.
-    (note,) = (n for n in told(tmp_path, rods(10000, {426.6: 0}))["notes"] if "moves by" in n)
+    (note,) = (n for n in told(tmp_path, rods(10000, {426.6: 0}))["notes"] if "move by" in n)
     assert 15 < float(re.search(r"up to (\S+) mm", note)[1]) < 25
 
 
@@ -228,9 +228,11 @@ def test_bearing_limit_is_checked_at_resonance_in_strongest_gear(truck):
     assert worst.grade == "fail"
     assert worst.point is not None
     assert (worst.point.gear, worst.point.direction) == ("R", "reverse")
-    assert worst.point.speed / rpm == pytest.approx(276, abs=1)
     (response,) = truck.line_responses
     jounce = response.demand.states.index("jounce")
+    linear = response.mount_loads.worst_bearing_forces["dynamic"]
+    assert linear.speed[jounce, 0] / rpm == pytest.approx(276, abs=1)
+    assert 276 < worst.point.speed / rpm < 360  # at its stop rubber is stiffer, its crest faster
     found = next(c for c in checks if c.when.name == "jounce")
     assert response.rigid_loads.joint_loads.bearing_forces.dynamic[jounce, 0] == pytest.approx(
         226.7, abs=0.1
@@ -243,7 +245,11 @@ def of_losses(approval):
     return [dict(n.values) for n in approval.note_messages if "loss factor" in n.text]
 
 
-def test_force_with_assumed_loss_factor_has_note_with_range(truck):
+def test_force_with_assumed_loss_factor_has_note_with_range():
+    """Of rubber that stays within its stop: beyond it another crest counts."""
+    text = (EXAMPLES / "medium-truck-4x2.yaml").read_text(encoding="utf-8")
+    free = text.replace("centre_bearing: {", "centre_bearing: {travel_mm: 200, ")
+    truck = approve_driveline(reader.loads(free))
     (note,) = of_losses(truck)
     assert (note["bearing"], note["state"], note["factor"]) == (1, "jounce", "0.1")
     assert (note["low"], note["high"]) == ("0.05", "0.2")

@@ -1,4 +1,4 @@
-"""Forces of rubber beyond its stop are lower bounds wherever they are counted, shown or used."""
+"""Forces of rubber beyond its stop are solved, or lower bounds wherever counted, shown or used."""
 
 import csv
 import io
@@ -16,11 +16,13 @@ from slender_shafts import rods
 import cardan
 from cardan.application import reader
 from cardan.approval.approval import approve_driveline
+from cardan.checks.mount_loads import MountLoads
 from cardan.cli import cli
 from cardan.core.labels import EvaluationCondition
 from cardan.core.provenance import MINER_1945
 from cardan.core.units import MPa, hour
 from cardan.core.verdict import Limit
+from cardan.documents.approval_sheet import approval_sheet
 from cardan.documents.bearing_force_table import bearing_force_csv
 from cardan.documents.first_screen import points_before_signing
 from cardan.model.bracket import Bracket, UShape
@@ -32,6 +34,7 @@ from cardan.topics.bracket.life import DamageResult
 from cardan.topics.bracket.load_cases import BearingLoadCase
 from cardan.topics.bracket.phrases import stop_notes
 from cardan.topics.bracket.shape_result import BoltSlipUtilisation, FatigueFeature
+from cardan.topics.design.correction import verdict_beyond_bounds
 
 WITHIN, BEYOND = 8000, 12000
 """N m at which the mass goes 11.5 and 17 mm in resonance; a stop is assumed at 15 mm."""
@@ -78,6 +81,35 @@ def test_variant_with_lower_bound_is_not_counted_as_buildable():
     assert "Not shown to pass: 50.0 % do not fail" in str(found)
 
 
+@pytest.fixture
+def unsolved(monkeypatch):
+    """Let no line be solved with its stop: forces there are lower bounds."""
+    monkeypatch.setattr(MountLoads, "stop_response_on", lambda *_: None)
+
+
+def test_screen_holds_no_lower_bound_where_stop_is_solved(tmp_path):
+    assert "≥" not in shown(tmp_path, BEYOND, options=("--all",))
+
+
+@pytest.mark.usefixtures("unsolved")
+def test_approval_sheet_explains_lower_bounds_once():
+    found = approve_driveline(reader.loads(text(BEYOND)))
+    blocks = approval_sheet(found, helps=(), fixes=(), say=ENGLISH, state=None).blocks
+    said = [p for b in blocks for p in getattr(b, "paragraphs", ()) if EXPLAINED in p]
+    assert len(said) == 1
+
+
+@pytest.mark.usefixtures("unsolved")
+def test_correction_does_not_rest_on_a_lower_bound():
+    """Its check warns; what the force is stays open."""
+    bounded, known = (approve_driveline(reader.loads(text(t))) for t in (BEYOND, WITHIN))
+    assert bounded.verdict == "warn"
+    assert verdict_beyond_bounds("warn", bounded) == "incomplete"
+    assert verdict_beyond_bounds("fail", bounded) == "fail"
+    assert verdict_beyond_bounds("warn", known) == "warn"
+
+
+@pytest.mark.usefixtures("unsolved")
 @pytest.mark.parametrize(("torque", "beyond"), [(WITHIN, False), (BEYOND, True)])
 def test_screens_and_tables_mark_and_explain_lower_bounds(tmp_path, torque, beyond):
     first, compared = shown(tmp_path, torque), shown(tmp_path, torque, WITHIN, options=("--all",))

@@ -202,11 +202,12 @@ NEEDS_THRUST_EQUILIBRIUM = Requirement(
 
 
 def _within_stop(r: LineResponse, kind: str) -> BoolArray:
-    """Return whether the rubber of each bearing stays within a stop that is known, (..., n-2)."""
+    """Return whether rubber stays within a stop that is known, or is solved with it, (..., n-2)."""
     worst = r.mount_loads.worst_bearing_travel if _stopped(r) else None
     if worst is None:
         return np.ones((1, 1), dtype=bool)
-    return ~(getattr(worst.results, kind) > r.mount_loads.mount_stop_travel)
+    beyond = getattr(worst.results, kind) > r.mount_loads.mount_stop_travel
+    return ~beyond | r.mount_loads.is_solved_at_stop
 
 
 NEEDS_MEAN_WITHIN_STOP, NEEDS_PEAK_WITHIN_STOP = (
@@ -246,8 +247,10 @@ _ON_RUBBER = (
     "At the worst operating point of the state, from standstill to top speed in every gear and "
     "direction, on the rubber: a steady response, which passing quickly does not reach. A bearing "
     "without a stiffness is rigid and carries what statics tells, at any speed: on rubber, where "
-    "an order meets a mode, that is several times as much. Linear rubber: beyond its stop (15 mm, "
-    "assumed, where travel_mm is not given) limits hold a lower bound, which never passes."
+    "an order meets a mode, that is several times as much. Rubber is linear up to its stop (15 mm, "
+    "assumed, where travel_mm is not given), and 5 to 20 times as stiff beyond it (assumed): the "
+    "largest motion that is stable, by harmonic balance. If that is not solved, limits hold a "
+    "lower bound, which never passes."
 )
 
 
@@ -301,10 +304,10 @@ DECLARATIONS = (
         },
         source=SOURCE_DERIVED,
         validity=_ON_RUBBER,
-        compute=lambda r: r.mount_loads.bearing_force("static"),
-        validity_margin=lambda r: r.mount_loads.stop_margin("static"),
+        compute=lambda r: r.mount_loads.evaluated_force("static"),
+        validity_margin=lambda r: r.mount_loads.force_validity_margin("static"),
         lower_bound=lambda r: r.mount_loads.force_at_stop("static"),
-        find_worst_points=lambda r: r.mount_loads.worst_bearing_forces.get("static"),
+        find_worst_points=lambda r: r.mount_loads.evaluated_points("static"),
         depends_on_mounts=True,
         parts=all_centre_bearings,
         requirements=(
@@ -341,10 +344,10 @@ DECLARATIONS = (
         },
         source=SOURCE_DERIVED,
         validity=_ON_RUBBER,
-        compute=lambda r: r.mount_loads.bearing_force("dynamic"),
-        validity_margin=lambda r: r.mount_loads.stop_margin("peak"),
+        compute=lambda r: r.mount_loads.evaluated_force("dynamic"),
+        validity_margin=lambda r: r.mount_loads.force_validity_margin("peak"),
         lower_bound=lambda r: r.mount_loads.force_at_stop("dynamic"),
-        find_worst_points=lambda r: r.mount_loads.worst_bearing_forces.get("dynamic"),
+        find_worst_points=lambda r: r.mount_loads.evaluated_points("dynamic"),
         has_resonance=True,
         depends_on_mounts=True,
         parts=all_centre_bearings,
@@ -374,10 +377,10 @@ DECLARATIONS = (
         },
         source=SOURCE_DERIVED,
         validity=_ON_RUBBER,
-        compute=lambda r: r.mount_loads.bearing_force("peak"),
-        validity_margin=lambda r: r.mount_loads.stop_margin("peak"),
+        compute=lambda r: r.mount_loads.evaluated_force("peak"),
+        validity_margin=lambda r: r.mount_loads.force_validity_margin("peak"),
         lower_bound=lambda r: r.mount_loads.force_at_stop("peak"),
-        find_worst_points=lambda r: r.mount_loads.worst_bearing_forces.get("peak"),
+        find_worst_points=lambda r: r.mount_loads.evaluated_points("peak"),
         has_resonance=True,
         depends_on_mounts=True,
         parts=all_centre_bearings,
@@ -432,7 +435,7 @@ DECLARATIONS = (
         },
         source=SOURCE_DERIVED,
         validity="Asked of bearings whose travel_mm an application gives. Above 1 the rubber "
-        "meets its stop, and limits of the forces on that bearing hold lower bounds.",
+        "meets its stop, and forces are those of a bearing that is stiffer beyond it.",
         compute=_over_stop,
         find_worst_points=_where_farthest(_stopped),
         has_resonance=True,

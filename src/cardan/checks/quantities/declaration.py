@@ -13,7 +13,6 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from cardan.checks.line_response import LineResponse
-from cardan.checks.operating_point_results import OperatingPointResults
 from cardan.core.arrays import BoolArray, FloatArray
 from cardan.core.errors import DesignError
 from cardan.core.labels import WHOLE_LINE, Part
@@ -25,6 +24,7 @@ from cardan.core.verdict import Limit, LimitSense
 from cardan.model.application import STATE_KINDS_AT_LOADED_RIDE_HEIGHT
 from cardan.model.laminate import CompositeTube
 from cardan.model.parts import JointKind, Tube
+from cardan.physics.vehicle.operating_points import LineOperatingPoints
 
 QuantityFunction: TypeAlias = Callable[[LineResponse], FloatArray]
 """Computes a quantity of a line, (..., states, parts) SI; nan where nothing is known."""
@@ -224,7 +224,7 @@ class Quantity:
     its `lower_bound` against them, and warn at least."""
     lower_bound: QuantityFunction | None = None
     """What it is at least beyond that range."""
-    find_worst_points: Callable[[LineResponse], OperatingPointResults | None] | None = None
+    find_worst_points: Callable[[LineResponse], LineOperatingPoints | None] | None = None
     """At which operating points its values stand, where it is sought over those."""
     has_resonance: bool = False
     """Whether it is large where an order meets a mode of the line on its rubber."""

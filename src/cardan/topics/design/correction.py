@@ -89,11 +89,9 @@ class Correction:
         What does corrects nothing, whatever margin it wins elsewhere. Nor does what leaves less
         margin at the same verdict, unless less fails or warns.
         """
-        if self.verdict != self.installed_approval.verdict:
-            return (
-                worst_verdict([self.verdict, self.installed_approval.verdict])
-                == self.installed_approval.verdict
-            )
+        installed = verdict_beyond_bounds(self.installed_approval.verdict, self.installed_approval)
+        if self.verdict != installed:
+            return worst_verdict([self.verdict, installed]) == installed
         now, was = (a.smallest_margin or 0.0 for a in (self.approval, self.installed_approval))
         return now >= was - MARGIN_TOLERANCE or _wrong(self.approval) < _wrong(
             self.installed_approval
@@ -106,8 +104,8 @@ class Correction:
 
     @property
     def verdict(self) -> Verdict:
-        """What a check of the corrected application comes to."""
-        return self.approval.verdict
+        """What a check of the corrected application comes to, by `verdict_beyond_bounds`."""
+        return verdict_beyond_bounds(self.approval.verdict, self.approval)
 
     @property
     def checks(self) -> tuple[Check, ...]:
@@ -118,6 +116,15 @@ class Correction:
     def unevaluated(self) -> tuple[UnevaluatedCheck, ...]:
         """What nothing moved can answer."""
         return self.approval.coverage.unevaluated
+
+
+def verdict_beyond_bounds(verdict: Verdict, of: Approval) -> Verdict:
+    """Return a verdict, incomplete for a warning if a check of a line holds a lower bound alone.
+
+    A check warns of such a value, which may be anything above: no correction rests on it.
+    """
+    bounded = any(c.is_lower_bound and c.quantity in LINE_QUANTITIES for c in of.checks)
+    return worst_verdict([verdict, "incomplete"]) if bounded else verdict
 
 
 def _limit_of_part(c: Check) -> LimitOfPart:

@@ -132,7 +132,10 @@ class _CorrectionCandidate:
     @cached_property
     def verdict(self) -> Verdict:
         """What its line comes to, and those that leave its axle."""
-        found: list[Verdict] = [c.grade for r in self.responses for c in line_checks(r)]
+        checks = [c for r in self.responses for c in line_checks(r)]
+        found: list[Verdict] = [
+            worst_verdict([c.grade, "incomplete"]) if c.is_lower_bound else c.grade for c in checks
+        ]
         missed = any(u.limit.required for r in self.responses for u in unevaluated_line_checks(r))
         return worst_verdict([*found, "incomplete"] if missed else found)
 

@@ -1,6 +1,6 @@
 """What each thing that can be moved does to each check that does not pass."""
 
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -17,6 +17,7 @@ from cardan.approval.approval import Approval
 from cardan.approval.driveline_study import EvaluatedLimit, check_limit_at_part, evaluate_limits
 from cardan.checks.line_response import LineResponse
 from cardan.checks.quantities.registry import LINE_QUANTITIES
+from cardan.checks.rubber_at_stop import FORCE_KINDS
 from cardan.core.arrays import FloatArray, IntArray
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.verdict import Check, worst_first_key
@@ -143,6 +144,9 @@ class _MovedLine:
 
     moves: tuple[AppliedAdjustment, ...]
     response: LineResponse
+    crests: Mapping[str, FloatArray]
+    """What a bearing's force (states, parts) at its stop is over that of linear rubber, by
+    quantity: solved of the line as it stands, and taken to be that of each move."""
 
     @cached_property
     def _limits(self) -> dict[str, tuple[EvaluatedLimit, ...]]:
@@ -152,8 +156,17 @@ class _MovedLine:
     def limits(self, quantity: str) -> tuple[EvaluatedLimit, ...]:
         """Return the limits of a quantity with their values."""
         if quantity not in self._limits:
-            self._limits[quantity] = tuple(evaluate_limits(self.response, quantities={quantity}))
+            self._limits[quantity] = tuple(
+                self._at_stop(q) for q in evaluate_limits(self.response, quantities={quantity})
+            )
         return self._limits[quantity]
+
+    def _at_stop(self, of: EvaluatedLimit) -> EvaluatedLimit:
+        """Return a limit's values, lower bounds among them as large as they are as it stands."""
+        if of.limit.quantity not in self.crests:
+            return of
+        crest = np.where(of.validity_margin < 0, self.crests[of.limit.quantity], 1.0)
+        return replace(of, values=of.values * crest)
 
     def values(self, of: EvaluatedLimit, part: int) -> FloatArray:
         """Return what each move makes of the value of a limit's part in every state, (moves, S)."""
@@ -272,7 +285,8 @@ def _effects_of_ends(
         return []
     within = _deciding(response, {m.state for m in missed})
     moves = _both_ways(movable, ends[:, : len(movable)])
-    made = _made(line_response_in_states(response, within), moves)
+    crests = {q: values[within] for q, values in _crests(response).items()}
+    made = _made(line_response_in_states(response, within), moves, crests=crests)
     rows = [made.moves.index(m) for m in moves]
     return [
         _effects_in_own_state(m, moves, made.own_values(m, within.index(m.state))[rows])
@@ -409,12 +423,29 @@ def _halved(
     return after
 
 
-def _made(response: LineResponse, moves: Iterable[AppliedAdjustment]) -> _MovedLine:
-    """Return a line with each of some moves made by itself."""
+def _made(
+    response: LineResponse,
+    moves: Iterable[AppliedAdjustment],
+    *,
+    crests: Mapping[str, FloatArray] | None = None,
+) -> _MovedLine:
+    """Return a line with each of some moves made by itself; with `crests` if not its own."""
     moves = tuple(dict.fromkeys(moves))
     movable = tuple(dict.fromkeys(m.adjustable for m in moves))
     amounts = np.array([[m.amount * (m.adjustable == a) for a in movable] for m in moves])
-    return _MovedLine(moves=moves, response=response_with_adjustments(response, movable, amounts))
+    return _MovedLine(
+        moves=moves,
+        response=response_with_adjustments(response, movable, amounts),
+        crests=_crests(response) if crests is None else crests,
+    )
+
+
+def _crests(response: LineResponse) -> dict[str, FloatArray]:
+    """Return what forces at stops are over those of linear rubber, by quantity."""
+    loads = response.mount_loads
+    if not loads.is_solved_at_stop.any():
+        return {}
+    return {f"centre_bearing_{kind}": loads.crest_over_linear(kind) for kind in FORCE_KINDS}
 
 
 def _spoilt(

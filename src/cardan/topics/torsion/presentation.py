@@ -15,6 +15,7 @@ from cardan.core.arrays import FloatArray
 from cardan.core.labels import EvaluationCondition, Part
 from cardan.core.units import UNITS, rpm
 from cardan.core.verdict import CHECK_GRADES, Check
+from cardan.render.check_texts import lower_bound_explanation
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import value_and_bound
 from cardan.render.terminal import BOLD_CODE, RESET_CODE, VERDICT_COLOUR_CODES, summary_lines
@@ -48,7 +49,9 @@ def text_lines(
     yield ""
     rows = sorted(of.checks, key=lambda c: (-CHECK_GRADES.index(c.grade), c.quantity, c.margin))
     head = "", *map(say, ("quantity", "part", "where it is worst", "value", "limit"))
-    yield from table_lines(head, [_row(c, say) for c in rows], width)
+    shown = [_row(c, say) for c in rows]
+    yield from table_lines(head, shown, width)
+    yield from fold_lines(lower_bound_explanation((row[4] for row in shown), say), width)
     for caption, head, lines, _ in result_tables(found, say):
         yield ""
         yield from (f"{BOLD_CODE}{line}{RESET_CODE}" for line in fold_lines([caption], width))

@@ -19,6 +19,7 @@ from cardan.approval.driveline_study import DrivelineStudy, evaluate_limits, lin
 from cardan.approval.margins import MARGIN_CAP, margins
 from cardan.approval.registry import studies_of_application
 from cardan.checks.line_response import compute_line_response
+from cardan.checks.mount_loads import MountLoads
 from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.errors import DesignError
 from cardan.core.labels import OperatingPoint
@@ -350,7 +351,9 @@ def test_batch_of_corrections_equals_single_corrections(truck):
     assert batch == pytest.approx(np.array(single), rel=1e-9, abs=1e-9)
 
 
-def test_zero_correction_keeps_margins(truck):
+def test_zero_correction_keeps_margins(truck, monkeypatch):
+    """Of forces that are lower bounds: with their stop they are solved of one design alone."""
+    monkeypatch.setattr(MountLoads, "stop_response_on", lambda *_: None)
     response = compute_line_response(
         truck, line_state_demand(resolve_line_references(truck, truck.lines[0]))
     )
@@ -459,7 +462,7 @@ def test_better_verdict_ranks_before_lower_cost():
             adjustments=(AppliedAdjustment(adjustable=shim, amount=amount * deg),),
             margin_before=-1.0,
             margin=0.1,
-            approval=SimpleNamespace(verdict=verdict),
+            approval=SimpleNamespace(verdict=verdict, checks=()),
             installed_approval=SimpleNamespace(),
             changeable=frozenset(),
         )
@@ -487,7 +490,7 @@ def test_proposal_without_improvement_is_dropped(verdict, margin, grades, stands
     """-203 % after -202 % was listed, for margin that it won where all passes."""
 
     def approval(verdict, margin, grades):
-        checks = [SimpleNamespace(grade=g) for g in grades]
+        checks = [SimpleNamespace(grade=g, is_lower_bound=False) for g in grades]
         return SimpleNamespace(verdict=verdict, smallest_margin=margin, checks=checks)
 
     was = approval("fail", -2.02, ["fail", "fail", "warn"])

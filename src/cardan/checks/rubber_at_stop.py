@@ -1,0 +1,568 @@
+"""What centre bearings carry where their rubber meets its stop, solved by harmonic balance.
+
+A line is solved again in the states in which linear rubber would go beyond a stop, along each of
+its curves of torque over speed on which it does. Between the stops the motion is that of linear
+rubber, so everywhere else the linear answer holds.
+"""
+
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from cardan.checks.line_on_mounts import LineOnMounts
+from cardan.checks.operating_envelope import PointRows
+from cardan.checks.operating_point_results import OperatingPointResults, largest_point, point_rows
+from cardan.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from cardan.core.lazy_dataclass import dataclass
+from cardan.physics.kinematics.joint_chain import rotate_chain
+from cardan.physics.loads.centre_bearing import bearing_forces
+from cardan.physics.loads.half_turn_fourier import semi_major_axis
+from cardan.physics.loads.rubber_mount import MountedLine
+from cardan.physics.loads.rubber_stop_response import (
+    StoppedLine,
+    StoppedMotion,
+    all_motions,
+    at_places,
+    components,
+    forces_at_stop,
+    stop_receptance,
+)
+from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
+from cardan.physics.vehicle.operating_points import (
+    LineOperatingPoints,
+    demand_at_operating_points,
+)
+
+FORCE_KINDS = ("static", "dynamic", "peak")
+
+NEAR_STOP_SHARE = 0.97
+"""Of the travel to its stop, from which on linear rubber's motion is followed."""
+
+SPEED_REACH = (0.7, 2.2)
+"""How far below and above the speeds of such motions they are followed."""
+
+SPEED_COUNT = 40
+"""Speeds at which a line is evaluated there; between two it is taken as linear."""
+
+SLIDING_TOLERANCE = 1e-3
+"""Of the slip force: a thrust that is less by more is what the stroke reaches, and held."""
+
+_LARGEST_GAP = 2.5
+"""Speeds of the grid between two motions found, beyond which a line is not solved."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StopResponse:
+    """Forces of the bearings of states in which rubber meets its stop; R ratios of stiffness.
+
+    Attributes
+    ----------
+    ratios : (R, n-2) 1
+        Stiffness beyond the stop over that before it, smallest first. With the smallest the state
+        alone in which linear rubber has the largest peak force is solved.
+    is_solved : (S,)
+        Whether the line meets a stop in a state and its motion is found.
+    forces : (R, S, n-2) N, by `FORCE_KINDS`
+        Largest at any operating point of the state. Of a state that is not solved, at least
+        that; nan of one that meets no stop.
+    points
+        The points (S, n-2) of the largest of them, with the largest ratio.
+    peak_parts : (S, n-2) N, of "static" and "dynamic"
+        What the peak force consists of at its point, beside unbalance.
+    travel : (R, S, n-2) m
+        Largest way across the shaft.
+    """
+
+    ratios: FloatArray
+    is_solved: BoolArray
+    forces: dict[str, FloatArray]
+    points: dict[str, LineOperatingPoints]
+    peak_parts: dict[str, FloatArray]
+    travel: FloatArray
+
+    def force(self, kind: str) -> FloatArray:
+        """Return one of `FORCE_KINDS` with the larger ratio, (S, n-2) N."""
+        return self.forces[kind][-1]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sweeps:
+    """Curves along which a line is followed, C of them, and between what speeds rad/s.
+
+    `crests` (K, C) are speeds of linear rubber's largest forces; `ends_with_curve` says whether
+    `high` is the highest speed of the curve.
+    """
+
+    state: IntArray
+    curve: IntArray
+    low: FloatArray
+    high: FloatArray
+    crests: FloatArray
+    ends_with_curve: BoolArray
+
+    @cached_property
+    def speeds(self) -> FloatArray:
+        """The speeds of the grid, (Q, C) rad/s, a share apart; `crests` (K, C) are among them."""
+        first = np.maximum(self.low, self.high / SPEED_REACH[1] / 4)
+        share = np.linspace(0, 1, SPEED_COUNT - 1)[:, None]
+        span = np.divide(self.high, first, out=np.ones_like(first), where=first > 0)
+        grid = first * span**share  # of a line that does not turn all at 0
+        start = np.where(self.low < first, self.low, 0.5 * (3 * grid[0] - grid[1]))
+        found = np.concatenate([np.minimum(start, grid[0])[None], grid])
+        for crest in self.crests:
+            nearest = np.abs(found[1:-1] - crest).argmin(axis=0) + 1
+            inside = (crest > found[0]) & (crest < found[-1])
+            here = nearest, np.arange(len(crest))
+            found[here] = np.where(inside, crest, found[here])
+        return np.sort(found, axis=0)
+
+    def holds(self, curve: IntArray, speed: FloatArray) -> BoolArray:
+        """Return which of points (P, S) lie on them."""
+        found = np.zeros(curve.shape, dtype=bool)
+        for s, c, low, high in zip(self.state, self.curve, self.low, self.high, strict=True):
+            found[:, s] |= (curve[:, s] == c) & (speed[:, s] >= low) & (speed[:, s] <= high)
+        return found
+
+
+def stop_response(
+    mounts: LineOnMounts,
+    travel: OperatingPointResults,
+    forces: OperatingPointResults,
+    *,
+    stop: FloatArray,
+    ratios: FloatArray,
+    states: BoolArray,
+    held: MountedLine,
+) -> StopResponse | None:
+    """Return what bearings carry in `states` (S,) in which linear rubber goes beyond its stop.
+
+    Parameters
+    ----------
+    travel, forces
+        How far linear rubber goes at points (P, S), and what it carries.
+    stop : (n-2,) m
+    ratios : (R, n-2)
+    held
+        How the line can move on its rubber.
+    """
+    sweeps = _sweeps(mounts, travel, forces, stop, states)
+    if sweeps is None:
+        return None
+    grid = _Grid.of(mounts, sweeps, held)
+    others = _others(mounts, forces, sweeps)
+    of, thrust = grid.cases()
+    ratio = np.tile(ratios[-1], (len(of), 1))
+    told, worst = np.full(len(of), len(ratios) - 1), 0
+    if len(ratios) > 1:  # a range is told where linear rubber has the largest force
+        met = np.isin(np.arange(len(states)), sweeps.state)[:, None]
+        most = np.where(met, np.nan_to_num(forces.results.peak.max(axis=0)), -1).max(-1)
+        worst = int(most.argmax())
+        some = np.flatnonzero(sweeps.state[of] == worst)
+        ratio = np.concatenate([ratio, np.tile(ratios[0], (len(some), 1))])
+        of, thrust = np.concatenate([of, of[some]]), np.concatenate([thrust, thrust[some]])
+        told = np.concatenate([told, np.zeros(len(some), dtype=int)])
+    line = grid.line(of, thrust, stop, ratio)
+    motion = all_motions(line)
+    cases = _FollowedCases(
+        grid=grid, sweep=of, thrust=thrust, stop=stop, place=motion.place,
+        sizes=grid.sizes(line, motion, of, thrust),
+    )  # fmt: skip
+    each = [
+        _solved(cases.select(np.flatnonzero(told == r)), others, len(states))
+        for r in range(len(ratios))
+    ]
+    stiff = each[-1]
+    if len(ratios) > 1:
+        stiff.is_solved[worst] &= each[0].is_solved[worst]
+    return StopResponse(
+        ratios=ratios,
+        is_solved=stiff.is_solved,
+        forces={k: np.stack([one.forces[k] for one in each]) for k in FORCE_KINDS},
+        points={k: _points(mounts, *stiff.points[k]) for k in FORCE_KINDS},
+        peak_parts=stiff.peak_parts,
+        travel=np.stack([one.travel for one in each]),
+    )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _SolvedStates:
+    """Largest forces and travel in states (S, n-2) with one ratio of stiffness, nan where none.
+
+    `points` are curves and speeds of the forces.
+    """
+
+    is_solved: BoolArray
+    forces: dict[str, FloatArray]
+    points: dict[str, PointRows]
+    peak_parts: dict[str, FloatArray]
+    travel: FloatArray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _FollowedCases:
+    """Cases C whose motions were followed: sweeps of a grid, a thrust each.
+
+    Attributes
+    ----------
+    sweep, thrust : (C,)
+    stop : (n-2,) m
+    place : (T, C)
+        Where along the speeds a motion was found, nan where none.
+    sizes : (T, C, n-2), by kind
+        Forces N and travel m there, -inf where none.
+    """
+
+    grid: "_Grid"
+    sweep: IntArray
+    thrust: IntArray
+    stop: FloatArray
+    place: FloatArray
+    sizes: dict[str, FloatArray]
+
+    def select(self, which: IntArray) -> "_FollowedCases":
+        """Return some of the cases."""
+        return replace(
+            self,
+            sweep=self.sweep[which],
+            thrust=self.thrust[which],
+            place=self.place[:, which],
+            sizes={kind: values[:, which] for kind, values in self.sizes.items()},
+        )
+
+    @property
+    def is_unsettled(self) -> BoolArray:
+        """In which cases thrust that the stroke limits takes the mean beyond a stop, (C,)."""
+        return self.grid.is_thrust_unsettled(self.sweep, self.thrust, self.stop)
+
+    @property
+    def is_lost(self) -> BoolArray:
+        """Whether motions are not found all along, or at a stop where the speeds end, (C,)."""
+        last = SPEED_COUNT - 1.0
+        found = np.sort(np.where(np.isnan(self.place), np.inf, self.place), axis=0)
+        ends = np.array([[0.0], [last]]) + 0 * self.sweep
+        every = np.sort(np.concatenate([np.minimum(found, last), ends]), axis=0)
+        gap = np.diff(every, axis=0).max(axis=0) > _LARGEST_GAP
+        at_end = (self.place > last - 0.5)[..., None] & (self.sizes["travel"] > self.stop)
+        return gap | (at_end.any(axis=(0, -1)) & ~self.grid.sweeps.ends_with_curve[self.sweep])
+
+
+def _solved(
+    cases: _FollowedCases, others: dict[str, OperatingPointResults], states: int
+) -> _SolvedStates:
+    """Return the largest forces in states along cases, and among `others` off their speeds."""
+    sweeps, of, sizes = cases.grid.sweeps, cases.sweep, cases.sizes
+    loose = cases.is_unsettled
+    met, solved = (np.isin(np.arange(states), sweeps.state[of]) for _ in range(2))
+    solved[sweeps.state[of[loose | cases.is_lost]]] = False
+    speeds = at_places(sweeps.speeds, cases.place, of)
+    forces: dict[str, FloatArray] = {}
+    points: dict[str, PointRows] = {}
+    parts = {k: getattr(others["peak"].results, k).copy() for k in ("static", "dynamic")}
+    for kind in FORCE_KINDS:
+        linear, size = others[kind], sizes[kind]
+        most = np.nan_to_num(getattr(linear.results, kind), nan=-np.inf)
+        curve, speed = linear.curve_index.copy(), linear.speed.copy()
+        top = size.argmax(axis=0)
+        largest = np.take_along_axis(size, top[None], axis=0)[0]
+        for c in np.flatnonzero(~loose).tolist():
+            s = int(sweeps.state[of[c]])
+            more = largest[c] > most[s]
+            most[s] = np.where(more, largest[c], most[s])
+            curve[s] = np.where(more, sweeps.curve[of[c]], curve[s])
+            speed[s] = np.where(more, speeds[top[c], c], speed[s])
+            if kind == "peak":
+                for k, values in parts.items():
+                    own = sizes[k][top[c], c, np.arange(len(cases.stop))]
+                    values[s] = np.where(more, own, values[s])
+        forces[kind] = np.where(met[:, None] & np.isfinite(most), most, np.nan)
+        points[kind] = curve, speed
+    far = np.full((states, len(cases.stop)), -np.inf)
+    np.maximum.at(far, sweeps.state[of], sizes["travel"].max(axis=0))
+    return _SolvedStates(
+        is_solved=solved,
+        forces=forces,
+        points=points,
+        peak_parts=parts,
+        travel=np.where(solved[:, None], far, np.nan),
+    )
+
+
+def _points(mounts: LineOnMounts, curve: IntArray, speed: FloatArray) -> LineOperatingPoints:
+    """Return points by their curves and speeds, (S, n-2)."""
+    rows = np.moveaxis(curve, -1, 0), np.moveaxis(speed, -1, 0)
+    asked = demand_at_operating_points(
+        mounts.inputs.demand, mounts.torque_curves, curve=rows[0], speed=rows[1]
+    )
+    return LineOperatingPoints(
+        curves=mounts.torque_curves,
+        curve_index=curve,
+        speed=np.moveaxis(asked.speed, 0, -1),
+        torque=np.moveaxis(asked.torque, 0, -1),
+    )
+
+
+def _sweeps(
+    mounts: LineOnMounts,
+    travel: OperatingPointResults,
+    forces: OperatingPointResults,
+    stop: FloatArray,
+    states: BoolArray,
+) -> _Sweeps | None:
+    """Return the curves of `states` on which linear rubber comes to a stop; None without one."""
+    between: dict[tuple[int, int], list[float]] = {}
+    beyond = (np.nan_to_num(travel.results.peak) > NEAR_STOP_SHARE * stop).any(axis=-1)
+    for p, s in np.argwhere(beyond & states).tolist():
+        key = s, int(travel.curve_index[p, s])
+        between.setdefault(key, []).append(float(travel.speed[p, s]))
+    if not between:
+        return None
+    most = mounts.torque_curves.max_speed
+    keys = sorted(between)
+    low, high = SPEED_REACH
+    fastest = np.array([most[c, s] for s, c in keys])
+    reach = high * np.maximum(np.array([max(between[k]) for k in keys]), 1e-3 * fastest)
+    return _Sweeps(
+        state=np.array([s for s, _ in keys], dtype=int),
+        curve=np.array([c for _, c in keys], dtype=int),
+        low=np.array([low * min(between[k]) for k in keys]),
+        high=np.minimum(reach, fastest),
+        ends_with_curve=reach >= fastest,
+        crests=np.array([_crests(forces, s, c) for s, c in keys]).reshape(len(keys), -1).T,
+    )  # fmt: skip
+
+
+def _crests(forces: OperatingPointResults, state: int, curve: int) -> list[float]:
+    """Return the speeds at which each bearing's dynamic force is largest on a curve of a state."""
+    own = forces.curve_index[:, state] == curve
+    size = np.where(own[:, None], np.nan_to_num(forces.results.dynamic[:, state]), -1.0)
+    return forces.speed[size.argmax(axis=0), state].tolist()
+
+
+def _others(
+    mounts: LineOnMounts, forces: OperatingPointResults, sweeps: _Sweeps
+) -> dict[str, OperatingPointResults]:
+    """Return the largest linear forces (S, n-2) at points off the sweeps, by kind."""
+    off = ~sweeps.holds(forces.curve_index, forces.speed)
+
+    def left(values: FloatArray) -> FloatArray:
+        return np.where(off[..., None], values, np.nan)
+
+    tried = OperatingPointResults(
+        curves=forces.curves,
+        curve_index=forces.curve_index,
+        speed=np.where(off, forces.speed, np.nan),
+        torque=np.where(off, forces.torque, np.nan),
+        results=type(forces.results)(
+            **{k: left(getattr(forces.results, k)) for k in FORCE_KINDS},
+        ),
+    )
+    rows: PointRows = point_rows(*(largest_point(tried, kind) for kind in FORCE_KINDS))
+    exact = mounts.bearing_forces_at_points(*rows)
+    return {kind: largest_point(exact, kind) for kind in FORCE_KINDS}
+
+
+def _waves(force: FloatArray) -> ComplexArray:
+    """Return the amplitudes (..., B, K, 3) of components (..., M, 3 B)."""
+    waves = force[..., 1::2, :] + 1j * force[..., 2::2, :]
+    return np.moveaxis(waves.reshape(*waves.shape[:-1], -1, 3), -3, -2)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Grid:
+    """A line on linear rubber at the speeds Q of sweeps C, in the bearings' directions.
+
+    Attributes
+    ----------
+    sweeps
+        Whose speeds they are.
+    force : (Q, C, M, 3 B) N
+        Weight included, without thrust.
+    thrust : (V, Q, C, 3 B) N
+        What thrust adds to its mean: none, pushed in, drawn out.
+    order1 : (Q, C, B) N
+    weight : (Q, C, 3 B) N
+    on, coupling, speed, torque
+        The line on its slowest modes in the states of the sweeps, (C), and at their points, (Q, C).
+    compression : (V, Q, C) N
+        Of the spline with those thrusts where it slides, and takes stiffness off; else 0.
+    is_sliding : (V, C)
+        Whether friction limits that, not the stroke.
+    stiffness, loss : (C, B, 2) N/m, (Q, C, B) signed as the speed
+    """
+
+    sweeps: _Sweeps
+    force: FloatArray
+    thrust: FloatArray
+    order1: FloatArray
+    weight: FloatArray
+    on: MountedLine
+    coupling: ComplexArray
+    speed: FloatArray
+    torque: FloatArray
+    compression: FloatArray
+    is_sliding: BoolArray
+    stiffness: FloatArray
+    loss: FloatArray
+
+    @classmethod
+    def of(cls, mounts: LineOnMounts, sweeps: _Sweeps, held: MountedLine) -> "_Grid":
+        """Return a line along its sweeps."""
+        inputs = mounts.inputs
+        quick = held.modal_reduction(inputs.line.rigid_body_mode_count)
+        states = inputs.layout.directions.shape[-3]
+        place = np.array([(sweeps.state[:k] == s).sum() for k, s in enumerate(sweeps.state)])
+        depth, count = int(place.max()) + 1, SPEED_COUNT
+        speed = np.full((count, depth, states), np.nan)
+        curve = np.zeros((count, depth, states), dtype=int)
+        speed[:, place, sweeps.state], curve[:, place, sweeps.state] = sweeps.speeds, sweeps.curve
+        asked = demand_at_operating_points(
+            inputs.demand,
+            mounts.torque_curves,
+            curve=curve.reshape(-1, states),
+            speed=speed.reshape(-1, states),
+        )
+        laid, how = inputs.layout_for(asked), mounts.force_inputs(asked, inertia=True)
+        found = bearing_forces(laid, inputs.line, inputs.phases, held=held, **how)
+        weight, _ = bearing_forces_of_weight_and_thrust(laid, inputs.line, gravity=inputs.gravity)
+        under = inputs.line.phases_under_torque(inputs.phases, how["torque"])
+        turned = rotate_chain(
+            laid.directions, phases=under, crosses=inputs.line.is_cross, samples=16
+        )
+        coupling = quick.order2_coupling(turned)
+
+        def own(values: Any, own_axes: int) -> Any:
+            """Return values (P, S, ...) of the sweeps, (Q, C, ...)."""
+            rest = values.shape[values.ndim - own_axes :]
+            values = np.broadcast_to(values, (count * depth, states, *rest))
+            return values.reshape(count, depth, states, *rest)[:, place, sweeps.state]
+
+        on = quick.select_states(sweeps.state.tolist())
+        signed, torque = own(how["speed"], 0), own(how["torque"], 0)
+        frame = np.broadcast_to(on.bearing_frame, (len(sweeps.state), *on.bearing_frame.shape[-3:]))
+
+        def local(values: FloatArray) -> FloatArray:
+            """Return vectors (..., C, B, 3) in the bearings' directions, (..., C, 3 B)."""
+            turned = (frame @ values[..., None])[..., 0]
+            return turned.reshape(*turned.shape[:-2], -1)
+
+        waves = np.moveaxis(own(found.waves, 3), -2, 0)  # as time goes, not as the line turns
+        waves = np.where(signed[..., None, None] < 0, np.conj(waves), waves)
+        thrust = mounts.thrust_effect(asked)
+        none = np.zeros_like(found.mean)
+        effects, pressed = [none], [np.zeros_like(signed)]
+        slides = [np.ones(len(sweeps.state), dtype=bool)]
+        if thrust is not None:
+            effects += [*thrust.force]
+            slip = own(np.nan_to_num(inputs.spline_force_at(asked.torque)), 0)
+            for each in thrust.thrust:
+                P = -own(each, 1)
+                limit = (1 - SLIDING_TOLERANCE) * slip[..., None]
+                slides.append((np.abs(P) >= limit).all(axis=(0, -1)))
+                pressed.append(slides[-1] * np.take_along_axis(
+                    P, np.abs(P).argmax(axis=-1, keepdims=True), axis=-1)[..., 0])  # fmt: skip
+        B = frame.shape[-3]
+        size = (len(sweeps.state), B)
+        return cls(
+            sweeps=sweeps,
+            force=components(
+                local(own(found.mean, 2)), np.moveaxis(np.stack([local(w) for w in waves]), 0, -2)
+            ),
+            thrust=np.stack([local(own(e, 2)) for e in effects]),
+            order1=own(found.order1, 1),
+            weight=local(own(weight, 2)),
+            on=on,
+            coupling=own(coupling, 2),
+            speed=signed,
+            torque=torque,
+            compression=np.stack(pressed),
+            is_sliding=np.stack(slides),
+            stiffness=np.broadcast_to(on.stiffness[..., :2], (*size, 2)),
+            loss=np.sign(signed)[..., None] * np.broadcast_to(on.loss, size),
+        )
+
+    def travel(self, of: IntArray, thrust: IntArray) -> FloatArray:
+        """Return how far linear rubber goes in sweeps under a thrust each, (Q, C', M, 2 B) m."""
+        force = self.force_of(of, thrust)
+        force[..., 0, :] -= self.weight[:, of]
+        across = force.reshape(*force.shape[:-1], -1, 3)[..., :2]
+        moved = across / self.stiffness[of][:, None]
+        eta = self.loss[:, of][..., None, :, None]
+        real, imaginary = moved[..., 1::2, :, :].copy(), moved[..., 2::2, :, :].copy()
+        scale = 1 / (1 + eta**2)
+        moved[..., 1::2, :, :] = scale * (real + eta * imaginary)
+        moved[..., 2::2, :, :] = scale * (imaginary - eta * real)
+        return moved.reshape(*moved.shape[:-2], -1)
+
+    def force_of(self, of: IntArray, thrust: IntArray) -> FloatArray:
+        """Return the linear forces of sweeps under a thrust each, (Q, C', M, 3 B) N."""
+        force = self.force[:, of].copy()
+        force[..., 0, :] += self.thrust[thrust, :, of].swapaxes(0, 1)
+        return force
+
+    def cases(self) -> tuple[IntArray, IntArray]:
+        """Return sweeps and thrusts to be followed: of each bearing what takes it farthest."""
+        sweeps, kinds = len(self.sweeps.state), len(self.thrust)
+        every, thrusts = (v.ravel() for v in np.indices((sweeps, kinds)))
+        travel = self.travel(every, thrusts)[..., 0, :]
+        far = np.linalg.norm(travel.reshape(*travel.shape[:-1], -1, 2), axis=-1).max(axis=0)
+        worst = far.reshape(sweeps, kinds, -1).argmax(axis=1)
+        found = sorted({(c, int(v)) for c in range(sweeps) for v in worst[c]})
+        of, thrust = np.array(found).T
+        return of, thrust
+
+    def is_thrust_unsettled(self, of: IntArray, thrust: IntArray, stop: FloatArray) -> BoolArray:
+        """Return in which cases thrust that the stroke limits takes the mean beyond a stop, (C',).
+
+        The stop then holds the bow that takes up the stroke, and with it the thrust.
+        """
+        still = self.travel(of, thrust)[..., 0, :]
+        far = np.linalg.norm(still.reshape(*still.shape[:-1], -1, 2), axis=-1)
+        return ~self.is_sliding[thrust, of] & (far > stop).any(axis=(0, -1))
+
+    def line(
+        self, of: IntArray, thrust: IntArray, stop: FloatArray, ratios: FloatArray
+    ) -> StoppedLine:
+        """Return cases of the sweeps with their stops and a ratio (C', B) each."""
+        return StoppedLine(
+            free=self.travel(of, thrust),
+            receptance=stop_receptance(
+                self.on.select_states(of.tolist()),
+                self.coupling[:, of],
+                speed=self.speed[:, of],
+                torque=self.torque[:, of],
+                compression=self.compression[thrust, :, of].T,
+            ),
+            stiffness=self.stiffness[of],
+            stop=np.broadcast_to(stop, (len(of), self.stiffness.shape[-2])),
+            ratio=ratios,
+        )
+
+    def sizes(
+        self, line: StoppedLine, motion: StoppedMotion, of: IntArray, thrust: IntArray
+    ) -> dict[str, FloatArray]:
+        """Return sizes of forces and travel of motions, (T, C', B), by kind; -inf where none."""
+        there = np.nonzero(~np.isnan(motion.place))
+        place, case = motion.place[there], there[1]
+        own = of[case]
+        found = forces_at_stop(
+            motion.travel[there],
+            at_places(line.free, place, case),
+            at_places(self.force_of(of, thrust), place, case),
+            stiffness=line.stiffness[case],
+            loss=self.loss[-1, own],
+            stop=line.stop[case],
+            ratio=line.ratio[case],
+        )
+        # Of linear motions orders add up as they do elsewhere.
+        linear = semi_major_axis(_waves(at_places(self.force, place, own)))
+        free = (found.travel <= line.stop[case]).all(axis=-1, keepdims=True)
+        dynamic = np.where(free, linear.sum(-1), found.dynamic)
+        peak = found.static + dynamic + at_places(self.order1, place, own)
+        sizes = {"static": found.static, "dynamic": dynamic, "peak": peak, "travel": found.travel}
+        whole: dict[str, FloatArray] = {}
+        for kind, values in sizes.items():
+            whole[kind] = np.full((*motion.place.shape, values.shape[-1]), -np.inf)
+            whole[kind][there] = values
+        return whole
