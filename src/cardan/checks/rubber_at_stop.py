@@ -155,7 +155,7 @@ def stop_response(
     of, thrust = grid.cases()
     ratio = np.tile(ratios[-1], (len(of), 1))
     told, worst = np.full(len(of), len(ratios) - 1), 0
-    if len(ratios) > 1:  # a range is told where linear rubber has the largest force
+    if len(ratios) > 1:  # the range is evaluated where linear rubber has the largest force
         met = np.isin(np.arange(len(states)), sweeps.state)[:, None]
         most = np.where(met, np.nan_to_num(forces.results.peak.max(axis=0)), -1).max(-1)
         worst = int(most.argmax())

@@ -133,13 +133,15 @@ def _force_rows(at: _Place, say: Translator) -> Iterator[Row]:
     worst, solved = loads.worst_bearing_forces, loads.stop_response
     if force in worst:
         for name in parts:
-            value = getattr(worst[force].results, name)[at.state, bearing]
+            value, least = getattr(worst[force].results, name)[at.state, bearing], ""
             if solved is not None and solved.is_solved[at.state]:
                 own = solved.peak_parts[name] if force == "peak" else solved.force(name)
                 value = own[at.state, bearing]
+            elif at.check.is_lower_bound:
+                value, least = loads.force_at_stop(name)[at.state, bearing], "≥ "
             quantity = f"centre_bearing_{name}"
             symbol = QUANTITIES[quantity].symbol
-            yield f"{say.name(quantity)} ({symbol})", f"{say.number(float(value))} N"
+            yield f"{say.name(quantity)} ({symbol})", f"{least}{say.number(float(value))} N"
 
 
 # --------------------------------------------------------------------------- parts

@@ -32,7 +32,7 @@ STOP_STIFFNESS_RANGE = (5.0, 20.0)
 """Stiffness of rubber beyond its stop over that before it: assumed where no file gives it."""
 
 STOP_ORDERS = (2, 4, 6, 8, 10, 12)
-"""Orders of the motion beside its mean: a stop's push has more of them than its motion."""
+"""Orders of the motion apart from its mean: a stop's push has more of them than its motion."""
 
 SAMPLES = 40
 """Of the half turn, at which a stop's force is evaluated."""
