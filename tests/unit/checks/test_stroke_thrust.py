@@ -142,12 +142,12 @@ def test_batch_of_frictions_equals_single_lines():
         ),
     }
     together = line(**drawn)
-    keys = (
-        "centre_bearing_static", "centre_bearing_dynamic", "spline_compression_utilisation",
-        "centre_bearing_dead_load", "clearance_on_rubber",
-    )  # fmt: skip
+    keys = "spline_compression_utilisation", "centre_bearing_dead_load", "clearance_on_rubber"
     for k in range(3):
         alone = line(**{name: float(values[k]) for name, values in drawn.items()})
         for key in keys:
             expected = value(alone, key)
             assert value(together, key)[k] == pytest.approx(expected, rel=1e-6, nan_ok=True), key
+        for kind in ("static", "dynamic"):  # on linear rubber: a batch does not solve its stop
+            expected = alone.mount_loads.bearing_force(kind)
+            assert together.mount_loads.bearing_force(kind)[k] == pytest.approx(expected, rel=1e-6)
