@@ -10,6 +10,7 @@ from click.testing import CliRunner
 
 from cardan.cli.life import life as command
 from cardan.core.errors import DesignError
+from cardan.core.finding import Finding
 from cardan.physics.fatigue.damage import miner_damage
 from cardan.physics.fatigue.rainflow import rainflow
 from cardan.physics.fatigue.sn_curve import SNCurve
@@ -727,13 +728,15 @@ def test_finding_requires_both_interval_ends():
 
 def test_stretches_are_weighted_by_damage():
     parts = [
-        JointAttribution(damage_share=r, interval=(r - 0.1, r + 0.1), f_statistic=s, doubts=(d,))
+        JointAttribution(
+            damage_share=r, interval=(r - 0.1, r + 0.1), f_statistic=s, doubts=(Finding(d),)
+        )
         for r, s, d in ((0.8, 90.0, "a"), (0.2, 9.0, "b"))
     ]
     both = combine_attributions(parts, [3.0, 1.0])
     assert both.damage_share == pytest.approx(0.65)
     assert both.interval == pytest.approx((0.55, 0.75))
-    assert (both.f_statistic, both.doubts) == (90.0, ("a", "b"))
+    assert (both.f_statistic, both.doubts) == (90.0, (Finding("a"), Finding("b")))
 
 
 # --------------------------------------------------------------------------- the angle

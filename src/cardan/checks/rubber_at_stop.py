@@ -502,14 +502,19 @@ class _Grid:
         return force
 
     def cases(self) -> tuple[IntArray, IntArray]:
-        """Return sweeps and thrusts to be followed: of each bearing what takes it farthest."""
+        """Return sweeps and thrusts to be followed: what moves each bearing farthest or loads it most.
+
+        They differ, as weight is in the force and not in the travel.
+        """
         sweeps, kinds = len(self.sweeps.state), len(self.thrust)
         every, thrusts = (v.ravel() for v in np.indices((sweeps, kinds)))
-        travel = self.travel(every, thrusts)[..., 0, :]
-        far = np.linalg.norm(travel.reshape(*travel.shape[:-1], -1, 2), axis=-1).max(axis=0)
-        worst = far.reshape(sweeps, kinds, -1).argmax(axis=1)
-        found = sorted({(c, int(v)) for c in range(sweeps) for v in worst[c]})
-        of, thrust = np.array(found).T
+        found: set[tuple[int, int]] = set()
+        for mean, axes in ((self.travel(every, thrusts), 2), (self.force_of(every, thrusts), 3)):
+            still = mean[..., 0, :]
+            far = np.linalg.norm(still.reshape(*still.shape[:-1], -1, axes)[..., :2], axis=-1)
+            worst = far.max(axis=0).reshape(sweeps, kinds, -1).argmax(axis=1)
+            found |= {(c, int(v)) for c in range(sweeps) for v in worst[c]}
+        of, thrust = np.array(sorted(found)).T
         return of, thrust
 
     def is_thrust_unsettled(self, of: IntArray, thrust: IntArray, stop: FloatArray) -> BoolArray:

@@ -134,16 +134,16 @@ def check_output_paths(
             raise write_error(path, error) from None
         if Path(os.path.realpath(path)).is_relative_to(_PROGRAM):
             raise _bad(path, f"{option} would write into the program itself")
-        kinds = OUTPUT_ENDINGS.get(option, ())
-        ending = path.suffix.lower()
-        if kinds and ending in _KNOWN_ENDINGS.difference(kinds):
-            raise _bad(path, f"{option} writes no {ending} file; end its name in {kinds[0]}")
         for source in read:
             if same_file(path, source):
                 raise _bad(path, f"{option} would write over {_called(source, path)} that is read")
         for other, there in claimed.items():
             if same_file(path, there):
                 raise _bad(path, f"{other} and {option} would write into one file")
+        kinds = OUTPUT_ENDINGS.get(option, ())
+        ending = path.suffix.lower()
+        if kinds and ending in _KNOWN_ENDINGS.difference(kinds):
+            raise _bad(path, f"{option} writes no {ending} file; end its name in {kinds[0]}")
         claimed[option] = path
 
 

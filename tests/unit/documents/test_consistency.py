@@ -180,7 +180,7 @@ def of_screen(text: str) -> str:
 
 
 def of_terminal(text: str) -> str:
-    return re.search(r"^[^\n]*: ([A-Z]+) \(", text, re.MULTILINE)[1].lower()
+    return verdict_of_headline(re.search(r"^[^\n]*: ([A-Z ]+) \(", text, re.MULTILINE)[1])
 
 
 def graded(contract: dict) -> set[str]:
