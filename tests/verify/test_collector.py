@@ -76,8 +76,8 @@ def test_refuse_collector_on_rubber_fails_in_first_gear():
     assert worst.point.direction == "drive"
     # As much as the tyres hold of the 3707 N m that first gear has.
     assert worst.point.torque == pytest.approx(3370, rel=0.01)
-    # Order 2 at 220 rpm is the sideways mode, 7.3 Hz.
-    assert worst.point.speed * 30 / np.pi == pytest.approx(220, abs=5)
+    # Order 2 at 220 rpm is the sideways mode, 7.3 Hz; the stop takes its crest to 1.22 of that.
+    assert worst.point.speed * 30 / np.pi == pytest.approx(269, rel=0.04)
     assert (worst.mode.shape, worst.mode.order) == ("yaw", 2)
     assert worst.mode.frequency / (2 * np.pi) == pytest.approx(7.3, abs=0.05)
 
@@ -303,8 +303,8 @@ def test_correction_achieves_predicted_life():
 def test_corrected_line_passes_every_limit_if_its_rubber_has_the_travel():
     """With a stop at 15 mm, assumed where none is given, its bearing goes against it."""
     as_shipped = cardan.check(reader.read(CASE / "cured.yaml"))
-    failed = {(c.quantity, c.part.number) for c in as_shipped.checks if c.grade == "fail"}
-    assert failed == {("centre_bearing_dynamic", 2), ("centre_bearing_peak", 2)}
+    failed = {c.quantity for c in as_shipped.checks if c.grade == "fail"}
+    assert failed == {"centre_bearing_dynamic", "centre_bearing_peak"}
     text = (CASE / "cured.yaml").read_text(encoding="utf-8")
     assert text.count("from_rear_joint_mm") == 2
     free = text.replace("from_rear_joint_mm", "travel_mm: 35, from_rear_joint_mm")

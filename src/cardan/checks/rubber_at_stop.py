@@ -502,7 +502,7 @@ class _Grid:
         return force
 
     def cases(self) -> tuple[IntArray, IntArray]:
-        """Return sweeps and thrusts to be followed: what moves each bearing farthest or loads it most.
+        """Return sweeps and thrusts to be followed: of each bearing the farthest and the most loaded.
 
         They differ, as weight is in the force and not in the travel.
         """

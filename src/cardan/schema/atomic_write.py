@@ -31,7 +31,7 @@ OUTPUT_ENDINGS = {
     "--json": (".json",), "--pdf": (".pdf",), "--html": _PAGE, "--live": _PAGE,
     "--xlsx": (".xlsx",), "--junit": (".xml",), "--png": (".png",), "--vtu": (".vtu",),
     "--step": (".step", ".stp"), "--inp": (".inp",), "--bdf": (".bdf", ".nas"),
-    "--sarif": (".sarif", ".json"), "--write": (".yaml", ".yml"),
+    "--sarif": (".sarif", ".json"),
 }  # fmt: skip
 """Endings of what an option writes; any other ending is accepted."""
 
