@@ -43,13 +43,13 @@ NEAR_STOP_SHARE = 0.97
 SPEED_REACH = (0.7, 2.2)
 """How far below and above the speeds of such motions they are followed."""
 
-SPEED_COUNT = 40
+SPEED_COUNT = 80
 """Speeds at which a line is evaluated there; between two it is taken as linear."""
 
 SLIDING_TOLERANCE = 1e-3
 """Of the slip force: a thrust that is less by more is what the stroke reaches, and held."""
 
-_LARGEST_GAP = 2.5
+_LARGEST_GAP = 2.5 * SPEED_COUNT / 40
 """Speeds of the grid between two motions found, beyond which a line is not solved."""
 
 
@@ -502,7 +502,7 @@ class _Grid:
         return force
 
     def cases(self) -> tuple[IntArray, IntArray]:
-        """Return sweeps and thrusts to be followed: of each bearing the farthest and the most loaded.
+        """Return sweeps and thrusts to be followed: what moves or loads each bearing most.
 
         They differ, as weight is in the force and not in the travel.
         """

@@ -342,7 +342,8 @@ def followed_motion(line: StoppedLine, *, backwards: bool = False) -> StoppedMot
         some = np.flatnonzero(sense * (end - place) > 1e-9)
         if not len(some):
             break
-        h = np.minimum(step[some], np.abs(end - place[some]))
+        ahead = sense * place[some]  # no step passes a speed of the grid: crests are among them
+        h = np.minimum(step[some], np.floor(ahead + 1e-9) + 1 - ahead)
         there = place[some] + sense * h
         lost = is_lost[some]
         guess = before[some] + h[:, None, None] * slope[some]
