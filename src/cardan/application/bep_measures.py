@@ -9,9 +9,18 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from cardan.application.delimited_table import decimal_sign, divided_rows
-from cardan.application.paste_import import parse_localised_number
+from cardan.application.delimited_table import (
+    LENGTH_UNITS,
+    decimal_sign,
+    divided_rows,
+    has_more_cells,
+)
+from cardan.application.paste_import import (
+    parse_localised_number,
+    parse_number_of_unknown_locale,
+)
 from cardan.application.placeholders import text_with_value_entered
+from cardan.application.source_comment import changed_addresses, text_with_source
 from cardan.application.wheelbase import lengthened_lines, text_with_wheelbase
 from cardan.application.yaml_edit import YamlEditor
 from cardan.core.errors import FileIssue, InvalidFileError
@@ -47,7 +56,7 @@ KNOWN_CODES: Mapping[str, str] = {
 """Codes whose meaning is public, in our words."""
 _USED = ("L010", "L011", "L012", "L013", "L014", "L015")
 _CODE = re.compile(r"(?:BEP[\s_-]*)?([A-Z])[\s_-]*(\d{3})(?:\.(\d{1,2}))?([RL]?)", re.IGNORECASE)
-_UNIT = re.compile(r"[\[(]\s*(mm|cm|m|in)\s*[\])]|(?<=[\s_])(mm|cm|m|in)$", re.IGNORECASE)
+_UNIT = re.compile(r"[\[(]\s*(mm|cm|m|in|ft)\s*[\])]|(?<=[\s_])(mm|cm|m|in|ft)$", re.IGNORECASE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,38 +82,56 @@ class ChassisMeasures:
 def read_measures(path: Path) -> ChassisMeasures:
     """Return the measures of a table with the columns code and value; others are passed over.
 
-    Columns are divided by tabs, semicolons or commas; between tabs and semicolons numbers may have
-    decimal commas. The heading may name the unit of its column `value [mm]`; without one it is mm.
+    Columns are divided by tabs, semicolons or commas; numbers may have decimal commas, between
+    commas in quotes. The column whose heading names a unit is the value, `value [mm]`; without one
+    it is the only number behind the code, in mm.
 
     Raises
     ------
     InvalidFileError
-        If no row has a code, or with every code whose value cannot be read or stands there twice.
+        If no row has a code, two columns may be the value, or with every code whose value cannot
+        be read or stands there twice.
     """
-    rows = divided_rows(read_text(path))[:MAX_ROWS]
-    coded = [(at, *found) for at, cells in rows if (found := _coded(cells)) is not None]
+    rows = divided_rows(read_text(path), str(path))[:MAX_ROWS]
+    coded = [(at, *found, cells) for at, cells in rows if (found := _coded(cells)) is not None]
     if not coded:
         issue = FileIssue(
             message="no row has a code of ISO 21308 and a value", hint="BEP-L011,4100 with mm"
         )
         raise InvalidFileError(str(path), (issue,))
     head = [cells for at, cells in rows if at < coded[0][0]]
-    units = {m[1] or m[2] for cells in head for c in cells if (m := _UNIT.search(c))}
+    units = {(m[1] or m[2]).lower() for cells in head for c in cells if (m := _UNIT.search(c))}
+    heading = next((cells for cells in reversed(head) if sum(map(bool, cells)) > 1), [])
+    columns = [k for k, c in enumerate(heading) if _UNIT.search(c)]
     problems: list[FileIssue] = []
     if len(units) > 1:
         hint = f"one of {', '.join(sorted(units))}"
         problems.append(FileIssue(message="the heading must name one unit", hint=hint))
-    unit = UNITS[units.pop().lower()] if len(units) == 1 else mm
-    decimal = decimal_sign([value for _, code, value in coded if code.partition(".")[0] in _USED])
+    elif len(columns) > 1:
+        named = " and ".join(to_one_line(heading[k])[:30] for k in columns)
+        message = "the heading must name the unit of one column, the value"
+        problems.append(FileIssue(message=message, value=named, line=_line_of(heading, rows)))
+    if problems:
+        raise InvalidFileError(str(path), tuple(problems))
+    unit = LENGTH_UNITS[units.pop()] if units else mm
+    table = [(at, code, *_value(cells, k, columns), cells) for at, code, k, cells in coded]
+    decimal = decimal_sign([v for _, code, v, *_ in table if code.partition(".")[0] in _USED])
     values: dict[str, Metre] = {}
     unused: list[str] = []
     unknown: list[str] = []
-    for at, code, value in coded:
+    for at, code, value, alone, cells in table:
         kind = code.partition(".")[0].rstrip("RL")
         if kind not in KNOWN_CODES:
             unknown.append(code)
         elif kind not in _USED:
             unused.append(code)
+        elif (longer := bool(heading) and has_more_cells(cells, heading)) or not alone:
+            message = "has more cells than the heading" if longer else "has several numbers"
+            hint = "write a number with a decimal comma in quotes" if longer else ""
+            hint = hint or "the heading names the unit: value [mm]"
+            got = to_one_line(" ".join(cells))[:60]
+            issue = FileIssue(message=message, key=f"BEP-{code}", value=got, hint=hint, line=at)
+            problems.append(issue)
         else:
             try:
                 read = parse_localised_number(value, decimal=decimal) * unit
@@ -124,13 +151,25 @@ def read_measures(path: Path) -> ChassisMeasures:
     )
 
 
-def _coded(cells: list[str]) -> tuple[str, str] | None:
-    """Return the code of a row and its value, the first cell behind it that has a digit."""
+def _line_of(heading: list[str], rows: list[tuple[int, list[str]]]) -> int:
+    return next(at for at, cells in rows if cells is heading)
+
+
+def _value(cells: list[str], code: int, columns: list[int]) -> tuple[str, bool]:
+    """Return the value of a row with its code in a column, and whether nothing else may be it."""
+    if columns and columns[0] != code:
+        return (cells[columns[0]] if columns[0] < len(cells) else ""), True
+    behind = [c for c in cells[code + 1 :] if re.match(r"[-+\u2212]?[\d.,]", c)]
+    numbers = sum(parse_number_of_unknown_locale(c) is not None for c in behind)
+    return next(iter(behind), ""), numbers < 2
+
+
+def _coded(cells: list[str]) -> tuple[str, int] | None:
+    """Return the code of a row and its column."""
     for k, cell in enumerate(cells):
         if (found := _CODE.fullmatch(cell)) and (not found[4] or found[1].upper() == "W"):
             number = f".{int(found[3])}" if found[3] else ""
-            value = next((c for c in cells[k + 1 :] if re.match(r"[-+\u2212]?[\d.,]", c)), "")
-            return f"{found[1].upper()}{found[2]}{number}{found[4].upper()}", value
+            return f"{found[1].upper()}{found[2]}{number}{found[4].upper()}", k
     return None
 
 
@@ -170,7 +209,7 @@ def text_with_measures(
         message = "measures of a chassis need an application with a `vehicle`"
         raise InvalidFileError(measures.source, (FileIssue(message=message),))
     wheelbase, how = _wheelbase(measures, vehicle)
-    notes = [f"wheelbase {wheelbase / mm:.0f} mm, {how}"]
+    before, notes = text, [f"wheelbase {wheelbase / mm:.0f} mm, {how}"]
     editor = YamlEditor(text)
     key = next((f"vehicle.wheelbase_{u}" for u in UNITS if f"vehicle.wheelbase_{u}" in editor), "")
     placeholder = key in application.placeholders
@@ -188,6 +227,7 @@ def text_with_measures(
         if "vehicle.driven_share" in application.placeholders:
             text = text_with_value_entered(text, "vehicle.driven_share")
         notes.append(f"driven_share {share:.3g}, BEP-L014 and the spacing of the rear axles")
+    text = text_with_source(changed_addresses(before, text), text, Path(measures.source).name)
     for codes, said in ((measures.unused, "not used"), (measures.unknown, "not public, not read")):
         if codes:
             names = (f"BEP-{c} {KNOWN_CODES.get(c.partition('.')[0], '')}".strip() for c in codes)

@@ -1,18 +1,48 @@
-"""Tables as spreadsheets copy and save them: the sign between columns and the decimal sign."""
+"""Tables as spreadsheets copy and save them: cells, the decimal sign and units of length."""
+
+import csv
+from collections.abc import Mapping
 
 from cardan.application.paste_import import interpretations_of_ambiguous_number
+from cardan.core.errors import FileIssue, InvalidFileError
+from cardan.core.units import Metre, ft, inch, m, mm
+
+LENGTH_UNITS: Mapping[str, Metre] = {"mm": mm, "cm": 10 * mm, "m": m, "in": inch, "ft": ft}
+"""Units of length that a heading may name, in lower case, m."""
 
 
-def divided_rows(text: str) -> list[tuple[int, list[str]]]:
+def divided_rows(text: str, source: str) -> list[tuple[int, list[str]]]:
     """Return the cells of each row that has any, by the sign that divides the first, with its line.
 
-    Tabs divide where there is one, else semicolons, else commas.
+    Tabs divide where there is one, else semicolons, else commas; none divides within quotes.
+
+    Raises
+    ------
+    InvalidFileError
+        If the quotes of a row do not match; `source` is the table's name.
     """
-    lines = text.splitlines()
+    lines = text.splitlines(keepends=True)
     first = next((one for one in lines if one.strip()), "")
-    sign = next((s for s in ("\t", ";") if s in first), ",")
-    rows = ((k, [c.strip().strip('"') for c in one.split(sign)]) for k, one in enumerate(lines, 1))
-    return [(k, cells) for k, cells in rows if any(cells)]
+    bare = "".join(first.split('"')[::2])
+    sign = next((s for s in ("\t", ";") if s in bare), ",")
+    rows = csv.reader(lines, delimiter=sign, skipinitialspace=sign != "\t", strict=True)
+    found: list[tuple[int, list[str]]] = []
+    line = 1
+    try:
+        for cells in rows:
+            stripped = [" ".join(c.split()) for c in cells]
+            if any(stripped):
+                found.append((line, stripped))
+            line = rows.line_num + 1
+    except csv.Error:
+        issue = FileIssue(message="the quotes of this row do not match", line=line)
+        raise InvalidFileError(source, (issue,)) from None
+    return found
+
+
+def has_more_cells(cells: list[str], heading: list[str]) -> bool:
+    """Return whether a row has a cell where its heading names no column; empty ones are none."""
+    return any(cells[len(heading) :])
 
 
 def decimal_sign(numbers: list[str]) -> str:

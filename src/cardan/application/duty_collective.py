@@ -20,7 +20,9 @@ _DUTY_HEAD = """\
 duty:                             # {origin}
   # {duration:.0f} s, {driving:.1f} % of it in motion: shares and hours are of that time
   # {overrun:.1f} % of that in overrun, with the size of its torque; power means of torque, 10/3"""
-_DUTY_SECTION = re.compile(r"(?m)^duty:[^\n]*(?:\n|\Z)(?:(?:[ \t]+|- )[^\n]*(?:\n|\Z))*")
+_DUTY_SECTION = re.compile(
+    r"(?m)^duty:[^\n]*(?:\n|\Z)(?:(?:#[^\n]*\n)*(?:[ \t]+|- )[^\n]*(?:\n|\Z))*"
+)
 
 
 @dataclass(frozen=True, kw_only=True)

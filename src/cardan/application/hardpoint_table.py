@@ -6,9 +6,15 @@ from pathlib import Path
 
 import numpy as np
 
-from cardan.application.delimited_table import decimal_sign, divided_rows
+from cardan.application.delimited_table import (
+    LENGTH_UNITS,
+    decimal_sign,
+    divided_rows,
+    has_more_cells,
+)
 from cardan.application.paste_import import parse_localised_number
 from cardan.application.placeholders import text_with_value_entered
+from cardan.application.source_comment import text_with_source
 from cardan.application.yaml_edit import YamlEditor
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import FileIssue, InvalidFileError
@@ -40,8 +46,8 @@ class Hardpoint:
 def read_hardpoints(path: Path) -> tuple[Hardpoint, ...]:
     """Return the points of a table: name, x, y and z, with the unit in the heading.
 
-    Columns are divided by tabs, semicolons or commas. Between tabs and semicolons numbers may have
-    decimal commas. L, W and H of ISO 21308 are x, y and z: behind the first front axle, right of
+    Columns are divided by tabs, semicolons or commas. Numbers may have decimal commas, between
+    commas in quotes. L, W and H of ISO 21308 are x, y and z: behind the first front axle, right of
     the chassis' centre line, above the frame's top.
 
     Raises
@@ -49,7 +55,7 @@ def read_hardpoints(path: Path) -> tuple[Hardpoint, ...]:
     InvalidFileError
         If the heading lacks a column or the unit, or with every row that cannot be read.
     """
-    rows = divided_rows(read_text(path))[: MAX_ROWS + 1]
+    rows = divided_rows(read_text(path), str(path))[: MAX_ROWS + 1]
     if not rows:
         raise InvalidFileError(str(path), (FileIssue(message="holds no row"),))
     (at, heading), *body = rows
@@ -60,9 +66,19 @@ def read_hardpoints(path: Path) -> tuple[Hardpoint, ...]:
     problems: list[FileIssue] = []
     found: list[Hardpoint] = []
     for line, cells in body:
+        if has_more_cells(cells, heading):
+            problems.append(
+                FileIssue(
+                    message="has more cells than the heading",
+                    value=_brief(" ".join(cells)),
+                    hint="write a number with a decimal comma in quotes",
+                    line=line,
+                )
+            )
+            continue
         try:
             x, y, z = (
-                parse_localised_number(cells[k], decimal=decimal) * UNITS[unit] for k in axes
+                parse_localised_number(cells[k], decimal=decimal) * LENGTH_UNITS[unit] for k in axes
             )
             found.append(Hardpoint(name=cells[names], position=(x, y, z), row=line))
         except (ValueError, IndexError) as error:
@@ -79,11 +95,13 @@ def _brief(said: str) -> str:
 
 def _columns_of(heading: list[str], line: int, path: Path) -> tuple[tuple[int, int, int], str]:
     """Return the columns of x, y and z, and their unit."""
-    found = {m[1].lower(): (k, m[2]) for k, c in enumerate(heading) if (m := _HEADING.fullmatch(c))}
+    named = [(k, m) for k, c in enumerate(heading) if (m := _HEADING.fullmatch(c))]
+    found = {m[1].lower(): (k, m[2]) for k, m in named}
     axes = next((letters for letters in _AXES if set(letters) <= set(found)), "")
+    twice = sum(m[1].lower() in axes for _, m in named) > 3
     units = {unit.lower() for letter, (_, unit) in found.items() if unit and letter in axes}
     message = ""
-    if not axes or len(heading) < 4:
+    if not axes or twice or len(heading) < 4:
         message = "the heading must name four columns: name, x, y and z"
     elif len(units) != 1:
         message = "the heading must name one unit: mm, cm, m, in or ft"
@@ -151,7 +169,7 @@ def text_with_hardpoints(
     for key in done:
         if key in application.placeholders:
             changed = text_with_value_entered(changed, key)
-    return changed
+    return text_with_source((*changes, stem), changed, Path(source).name)
 
 
 def _named(points: tuple[Hardpoint, ...], joints: int, source: str) -> dict[str, Hardpoint]:

@@ -4,6 +4,7 @@ Sources: VECTO User Manual, chapter on modal results (.vmod): each row is the me
 for VECTO 2, results of its 40 t truck that the Commission published with VECTO 3 beta.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,15 @@ from cardan.application.duty_collective import DutyCollective, duty_collective
 from cardan.application.vecto_files import VectoTable, read_table
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import DesignError, FileIssue, InvalidFileError
-from cardan.core.units import rpm
+from cardan.core.units import kW, rpm
+from cardan.physics.signals.channel_units import (
+    RADIANS_PER_TURN,
+    ROTATION_SPEED_UNITS,
+    TORQUE_UNITS,
+    VEHICLE_SPEED_UNITS,
+    usual_unit,
+)
+from cardan.schema.yaml_tree import to_one_line
 
 _COLUMNS = frozenset({
     "time", "dt", "v_act", "n_gbx_out_avg", "t_gbx_out", "p_axle_in", "pwheel", "pbrake",
@@ -21,6 +30,21 @@ _COLUMNS = frozenset({
 _ASKED = (
     "T_gbx_out and n_gbx_out_avg", "P_axle_in and v_act", "Pwheel, Pbrake, Ploss Diff and v_act",
 )  # fmt: skip
+_POWER_UNITS = {"W": 1.0, "kW": kW, "MW": 1e6}
+_TURNING_UNITS = {unit: RADIANS_PER_TURN * turns for unit, turns in ROTATION_SPEED_UNITS.items()}
+_TIME_UNITS = {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
+_UNIT_AND_FACTORS: Mapping[str, tuple[float, Mapping[str, float]]] = {
+    "time": (1.0, _TIME_UNITS),
+    "dt": (1.0, _TIME_UNITS),
+    "v_act": (1 / 3.6, VEHICLE_SPEED_UNITS),
+    "n_gbx_out_avg": (rpm, _TURNING_UNITS),
+    "T_gbx_out": (1.0, TORQUE_UNITS),
+    "P_axle_in": (kW, _POWER_UNITS),
+    "Pwheel": (kW, _POWER_UNITS),
+    "Pbrake": (kW, _POWER_UNITS),
+    "Ploss Diff": (kW, _POWER_UNITS),
+}
+"""SI value of VECTO's own unit, for headings without one, and of each that a heading may name."""
 
 
 def read_simulated_duty(
@@ -35,26 +59,27 @@ def read_simulated_duty(
     Torque and speed are those of the gearbox output where the file has them. Else they follow from
     the power into the axle and the road speed, by `axle_ratio` and `dynamic_radius` (m), up to the
     `largest_torque` (N m) that the engine gives there: close to rest, means of power and speed
-    over an interval do not make a torque. VECTO 2 writes no power into the axle: it is that at the
-    wheels, less that of the brakes (0 or below), and the loss of the axle.
+    over an interval do not make a torque. Units are those of the headings. VECTO 2 writes
+    no power into the axle: it is that at the wheels, less that of the brakes (0 or below), and the
+    loss of the axle.
 
     Raises
     ------
     InvalidFileError
-        If a column is missing, or the vehicle never moves.
+        If a column is missing or in an unknown unit, or the vehicle never moves.
     """
     table = read_table(path, only=_COLUMNS)
-    step, time = table.find("dt"), table.find("time")
+    step, time = _in_si(table, "dt"), _in_si(table, "time")
     if step is None and time is not None:
         step = np.diff(time, append=time[-1])
     if step is None or not (step >= 0).all():
         raise table.missing(("dt [s]", "time [s]"))
-    torque, speed = table.find("T_gbx_out"), table.find("n_gbx_out_avg")
+    torque, speed = _in_si(table, "T_gbx_out"), _in_si(table, "n_gbx_out_avg")
     if torque is not None and speed is not None and not np.isnan(torque + speed).any():
-        speed, columns = speed * rpm, "T_gbx_out and n_gbx_out_avg"
+        columns = "T_gbx_out and n_gbx_out_avg"
     else:
         power, columns = _axle_power(table)
-        road = table.find("v_act")
+        road = _in_si(table, "v_act")
         if power is None or road is None or np.isnan(power + road).any():
             raise table.missing(_ASKED)
         if axle_ratio is None or dynamic_radius is None:
@@ -63,9 +88,9 @@ def read_simulated_duty(
                 hint="enter axle and tyre in the application",
             )
             raise InvalidFileError(str(path), (issue,))
-        speed = road / 3.6 / dynamic_radius * axle_ratio
+        speed = road / dynamic_radius * axle_ratio
         turning = np.where(speed > 0, speed, np.inf)
-        torque = np.clip(1e3 * power / turning, -largest_torque, largest_torque)
+        torque = np.clip(power / turning, -largest_torque, largest_torque)
     origin = f"simulated, not measured: VECTO, {path.name}, columns {columns}"
     try:
         return duty_collective(step, torque, speed, origin=origin)
@@ -74,10 +99,28 @@ def read_simulated_duty(
 
 
 def _axle_power(table: VectoTable) -> tuple[FloatArray | None, str]:
-    """Return the power into the axle, kW, (rows,), and its columns; None where there are none."""
-    if (power := table.find("P_axle_in")) is not None:
+    """Return the power into the axle, W, (rows,), and its columns; None where there are none."""
+    if (power := _in_si(table, "P_axle_in")) is not None:
         return power, "P_axle_in and v_act"
-    wheel, brake, loss = (table.find(name) for name in ("Pwheel", "Pbrake", "Ploss Diff"))
+    wheel, brake, loss = (_in_si(table, name) for name in ("Pwheel", "Pbrake", "Ploss Diff"))
     if wheel is None or brake is None or loss is None:
         return None, ""
     return wheel - brake + loss, "Pwheel, Pbrake, Ploss Diff and v_act"
+
+
+def _in_si(table: VectoTable, name: str) -> FloatArray | None:
+    """Return a column in SI by the unit of its heading, (rows,); None where there is none."""
+    values = table.find(name)
+    if values is None:
+        return None
+    usual, units = _UNIT_AND_FACTORS[name]
+    said = table.unit(name)
+    unit = usual_unit(said)
+    factor = units.get(unit) if unit else usual
+    if factor is None:
+        issue = FileIssue(
+            message="the heading names a unit that this column cannot have",
+            key=name, value=to_one_line(said)[:40], hint=f"one of {', '.join(units)}",
+        )  # fmt: skip
+        raise InvalidFileError(str(table.path), (issue,))
+    return values * factor

@@ -183,6 +183,12 @@ class VectoTable:
         at = next((bare.index(n.casefold()) for n in names if n.casefold() in bare), None)
         return None if at is None else self.values[:, at]
 
+    def unit(self, name: str) -> str:
+        """Return the unit that the heading of a column names, as it is written; "" for none."""
+        heading = next((h for h in self.headings if bare_heading(h) == name.casefold()), "")
+        found = _UNIT.search(heading)
+        return found[0].strip(" []<>()") if found else ""
+
     def column(self, *names: str, place: int) -> FloatArray:
         """Return a column by its names, or by its place where no heading has one of them.
 

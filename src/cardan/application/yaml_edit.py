@@ -66,6 +66,20 @@ class YamlEditor:
         node = self._nodes.get(address)
         return node.text if isinstance(node, Scalar) else None
 
+    def scalar_ends(self) -> Iterator[tuple[str, int, int]]:
+        """Yield address and line of each single value, and the column behind it, from 0."""
+        for at, node in self._nodes.items():
+            if isinstance(node, Scalar):
+                yield at, node.line, self._span(node)[1] - self._starts[node.line - 1]
+
+    def line_of_key(self, address: str) -> int | None:
+        """Return the line of the key of a table or list, from 1; None where there is none."""
+        above, _, key = address.rpartition(".")
+        table = self._nodes.get(above)
+        if not isinstance(table, TableNode) or key not in table.entries:
+            return None
+        return table.entries[key][0].line
+
     def with_changes(self, changes: Mapping[str, float | str | list[Any]]) -> str:
         """Return the text with other values, numbers in the units of their keys.
 

@@ -11,10 +11,12 @@ import pytest
 from click.testing import CliRunner, Result
 
 from cardan.application import reader
-from cardan.application.duty_collective import duty_classes
+from cardan.application.duty_collective import duty_classes, text_with_duty
+from cardan.application.hardpoint_table import read_hardpoints
+from cardan.application.simulated_duty import read_simulated_duty
 from cardan.approval.approval import approve_application
 from cardan.cli import cli
-from cardan.core.errors import DesignError
+from cardan.core.errors import DesignError, InvalidFileError
 from cardan.core.units import deg, g, mm, rpm
 from cardan.topics.design.corrections import find_corrections
 
@@ -286,6 +288,40 @@ def test_duty_classes_keep_time_turns_and_bearing_wear():
     assert share @ (turns * size ** (10 / 3)) == pytest.approx(wear)
 
 
+@pytest.mark.parametrize(
+    ("torque", "speed", "values"),
+    [
+        ("[kNm]", "[rad/s]", "0.8,10"), ("[Nm]", "[1/min]", f"800,{300 / np.pi}"),
+        ("", "", f"800,{300 / np.pi}"), ("[kN m]", "[rpm]", f"0.8,{300 / np.pi}"),
+    ],
+)  # fmt: skip
+def test_vmod_is_read_in_units_of_its_headings(tmp_path, torque, speed, values):
+    path = tmp_path / "t.vmod"
+    path.write_text(f"dt [s],T_gbx_out {torque},n_gbx_out_avg {speed}\n1,{values}\n", "utf-8")
+    found = read_simulated_duty(path)
+    assert (found.torque, found.speed) == (pytest.approx([800]), pytest.approx([10]))
+
+
+def test_power_and_road_speed_of_vmod_are_read_in_units_of_headings(tmp_path):
+    path = tmp_path / "t.vmod"
+    path.write_text("dt [min],v_act [m/s],P_axle_in [W]\n1,10,20000\n", "utf-8")
+    found = read_simulated_duty(path, axle_ratio=4.0, dynamic_radius=0.5)
+    assert (found.torque, found.speed) == (pytest.approx([250]), pytest.approx([80]))
+    assert found.duration == 60
+
+
+def test_unknown_unit_of_vmod_is_rejected_with_those_allowed(tmp_path):
+    path = tmp_path / "t.vmod"
+    path.write_text("dt [s],T_gbx_out [kW],n_gbx_out_avg [rpm]\n1,8,10\n", "utf-8")
+    with pytest.raises(InvalidFileError, match=r"T_gbx_out: .* cannot have \(got kW\); one of Nm"):
+        read_simulated_duty(path)
+
+
+def test_comments_within_replaced_duty_go_with_it():
+    text = "a: 1\nduty:   # published\n# a source\n  - {share_percent: 100}\n\nb: 2  # c\n"
+    assert text_with_duty(text, "duty: []") == "a: 1\nduty: []\n\nb: 2  # c\n"
+
+
 # --------------------------------------------------------------------------- hardpoints
 
 POINTS = """\
@@ -329,6 +365,32 @@ def test_hardpoints_of_csv_and_spreadsheet_move_line(tmp_path, table):
     assert installed.line.shafts[0].centre_bearing.from_rear_joint == pytest.approx(
         place * mm, abs=1e-6
     )
+
+
+def test_quoted_decimal_comma_of_hardpoints_is_one_number(tmp_path):
+    table = POINTS.replace("1250,0,-60.5", '"1250,5",0,"-60,5"')
+    (tmp_path / "p.csv").write_text(table, "utf-8")
+    _, _, third, *_ = read_hardpoints(tmp_path / "p.csv")
+    assert third.position == pytest.approx((1.2505, 0, -0.0605))
+
+
+@pytest.mark.parametrize(
+    ("unit", "metre"), [("mm", 1e-3), ("cm", 1e-2), ("m", 1), ("in", 0.0254), ("ft", 0.3048)]
+)
+def test_hardpoints_are_read_in_each_unit_of_heading(tmp_path, unit, metre):
+    (tmp_path / "p.csv").write_text(POINTS.replace("[mm]", f"[{unit}]"), "utf-8")
+    _, gearbox, *_ = read_hardpoints(tmp_path / "p.csv")
+    assert gearbox.position == pytest.approx((-500 * metre, 0, 35 * metre))
+
+
+def test_hardpoints_name_table_in_place_of_old_source(tmp_path):
+    own, out = tmp_path / "own.yaml", tmp_path / "out.yaml"
+    run("new", own)
+    text = own.read_text("utf-8").replace("# joint centres:", "# measured by hand:")
+    own.write_text(text, "utf-8")
+    (tmp_path / "p.csv").write_text(POINTS, "utf-8")
+    assert run("new", out, "--of", own, "--hardpoints", tmp_path / "p.csv").exit_code == 0
+    assert "[2750, 12, -165]]   # p.csv\n" in out.read_text("utf-8")
 
 
 @pytest.mark.parametrize(
@@ -388,6 +450,11 @@ def test_hardpoints_replace_placeholders_of_vecto_job(job, tmp_path):
          "points: joint 1, joint 2, joint 3, centre bearing 1, gearbox, pinion"),
         ("pinion", "gear box", "points.csv:7: gearbox stands in line 3 already (got gear box)"),
         ("joint 3,2750,12,-165\n", "", "lacks joint 3: the line has 3 joints"),
+        ("2750,12", "2750,5,12", "points.csv:5: has more cells than the heading (got joint 3 2750 "
+         "5 12 -165); write a number with a decimal comma in quotes"),
+        ("joint 3", 'joint 3"x', "points.csv:5: names no point"),
+        ("joint 3", '"joint 3', "points.csv:5: the quotes of this row do not match"),
+        ("y [mm]", "x [mm],y [mm]", "must name four columns"),
         ("2750", "27x0", "points.csv:5: is no number"),
         ("x [mm],y [mm],z [mm]", "x,y,z", "must name one unit: mm, cm, m, in or ft"),
         ("x [mm]", "length", "must name four columns: name, x, y and z"),

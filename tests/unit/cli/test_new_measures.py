@@ -87,6 +87,37 @@ def test_unit_of_heading_counts_and_theoretical_wheelbase_needs_nothing_else(tmp
 
 
 @pytest.mark.parametrize(
+    "table",
+    [
+        'code,value [m]\nBEP-L015,"4,5"\n',
+        'code,"measure, in short",value [cm]\nBEP-L015,"a, b",450\n',
+        "code,axles,value [mm]\nBEP-L015,2,4500\n",
+        "value [mm],code\n4500,BEP-L015\n",
+        f"code,value [in]\nBEP-L015,{4.5 / 0.0254}\n",
+        f"code,value_ft\nBEP-L015,{4.5 / 0.3048}\n",
+        "All lengths in [MM]\ncode,value [mm]\nBEP-L015,4500\n",
+    ],
+)
+def test_value_of_code_is_column_with_unit_and_quotes_keep_decimal_comma(tmp_path, table):
+    (tmp_path / "t.csv").write_text(table, "utf-8")
+    assert read_measures(tmp_path / "t.csv").values == pytest.approx({"L015": 4.5})
+
+
+def test_new_wheelbase_names_table_in_place_of_old_source(tmp_path):
+    own = tmp_path / "own.yaml"
+    run("new", own, "--example", "van")
+    text = own.read_text("utf-8")
+    points = "points_mm: [[0, 0, 0], [1430, 0, -105]]"
+    assert "wheelbase_mm: 3000              # published\n" in text
+    own.write_text(text.replace(points, f"{points}   # published: sheet 3"), "utf-8")
+    made, out = written(tmp_path, "BEP-L015,3100\n", "--of", own)
+    assert made.exit_code == 0, made.stderr
+    now = out.read_text("utf-8")
+    assert "wheelbase_mm: 3100              # chassis.txt\n" in now
+    assert "[1530, 0, -105]]   # points_mm[2][1] chassis.txt; others published: sheet 3\n" in now
+
+
+@pytest.mark.parametrize(
     ("table", "said"),
     [
         ("name,x\njoint 1,0\n", "no row has a code of ISO 21308 and a value"),
@@ -99,6 +130,12 @@ def test_unit_of_heading_counts_and_theoretical_wheelbase_needs_nothing_else(tmp
         ("BEP-L015,5040\nL015,5040\n", "chassis.txt:2: BEP-L015: stands there twice"),
         ("a;v\nBEP-L011;4500\nBEP-L014;1400\nBEP-L012.2;1350\n", "the load point lies outside"),
         ("a [mm];b [m]\nBEP-L015;5040\n", "the heading must name one unit"),
+        ("code,min [mm],max [mm]\nBEP-L015,4500,4800\n", "chassis.txt:1: the heading must name the "
+         "unit of one column, the value (got min [mm] and max [mm])"),
+        ("code,axles,value\nBEP-L015,2,4500\n", "chassis.txt:2: BEP-L015: has several numbers"),
+        ("code,value [m]\nBEP-L015,4,5\n", "chassis.txt:2: BEP-L015: has more cells than the "
+         "heading (got BEP-L015 4 5); write a number with a decimal comma in quotes"),
+        ('code,value [m]\nBEP-L015,"4,5\n', "chassis.txt:2: the quotes of this row do not match"),
     ],
 )  # fmt: skip
 def test_wrong_table_of_codes_is_rejected(tmp_path, table, said):
