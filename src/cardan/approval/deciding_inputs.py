@@ -89,8 +89,9 @@ def deciding_inputs(
     """Return the given numbers by which the check nearest to its maximum fails first.
 
     Each number is changed by `RELATIVE_STEP` alone; those by whose change, taken as linear, the
-    worst state's value reaches its maximum first are changed so far, and by secants on. Criteria on rubber are left out: they would take seconds. Where no number
-    decides the nearest quantity, the next is tried.
+    worst state's value reaches its maximum first are changed so far, and by secants on. Criteria
+    on rubber are left out: they would take seconds. Where no number decides the nearest quantity,
+    the next is tried.
 
     Returns
     -------

@@ -131,7 +131,7 @@ def verdict_beyond_bounds(verdict: Verdict, of: Approval) -> Verdict:
 
 
 def exceeded_count(checks: Iterable[Check]) -> int:
-    """Return how many criteria fail: limits of lines, each counted once for its states and parts."""
+    """Return how many limits of lines fail, each counted once for its states and parts."""
     return len({limit_grouping_key(c) for c in checks if c.grade == "fail"})
 
 
