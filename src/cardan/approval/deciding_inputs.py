@@ -1,6 +1,8 @@
 """Given numbers that the verdict rests on: how far each may be off before a criterion fails."""
 
+import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -20,6 +22,22 @@ RELATIVE_STEP = 0.01
 
 MAX_RELATIVE_CHANGE = 0.25
 """Share up to which a slope says where a criterion fails, roughly: assumed."""
+
+MAX_REFINED_CHANGES = 6
+"""Numbers, those of the least change, whose change is searched where the criterion fails."""
+
+SECANT_STEPS = 3
+MAX_RESIDUAL_SHARE = 0.02
+"""Share of the room as given that the last secant step may miss the maximum by."""
+
+CONVERGED_SHARE = 1e-7
+"""Share of the room as given below which a secant would be of rounding errors."""
+
+MAX_ROUNDING_SHARE = 0.015
+"""Share of a change that rounding may add to it."""
+
+OUTWARD_SHARE = 0.001
+"""Share of a change that is added before rounding, so that what is printed is exceeded."""
 
 MAX_DECIDING_INPUTS = 2
 MAX_TRIED_QUANTITIES = 3
@@ -41,6 +59,21 @@ class DecidingInput:
     given: float
     fails_at: float
 
+    @property
+    def printed(self) -> float:
+        """Where it fails in three digits, or more if those add too much; rounded outward."""
+        change = self.fails_at - self.given
+        end = self.fails_at + OUTWARD_SHARE * change
+        outward = math.ceil if change > 0 else math.floor
+        magnitude = math.floor(math.log10(abs(end))) if end else 0
+        found = end
+        for digits in range(3, 7):
+            decimals = digits - 1 - magnitude
+            found = round(outward(end * 10.0**decimals) / 10.0**decimals, decimals)
+            if abs(found - self.fails_at) <= MAX_ROUNDING_SHARE * abs(change):
+                break
+        return found
+
 
 @dataclass(frozen=True, kw_only=True)
 class DecidingInputs:
@@ -55,9 +88,10 @@ def deciding_inputs(
 ) -> DecidingInputs | None:
     """Return the given numbers by which the check nearest to its maximum fails first.
 
-    Each number is changed by `RELATIVE_STEP` alone, and the change of the worst state's value is
-    taken as linear. Criteria on rubber are left out: they would take seconds. Where no number
-    decides the nearest quantity, the next is tried.
+    Each number is changed by `RELATIVE_STEP` alone; those by whose change, taken as linear, the
+    worst state's value reaches its maximum first are changed so far, and by secants on. Criteria
+    on rubber are left out: they would take seconds. Where no number decides the nearest quantity,
+    the next is tried.
 
     Returns
     -------
@@ -87,11 +121,15 @@ def _inputs_of(response: LineResponse, check: Check) -> tuple[DecidingInput, ...
     """Return the given numbers by which a check fails first, one of each list."""
     numbers = _given_numbers(response.application)
     found = _relative_changes(response, numbers, check)
-    by_list: dict[str, DecidingInput] = {}
-    for key, needed in sorted(found.items(), key=lambda item: abs(item[1])):
-        one = DecidingInput(key=key, given=numbers[key], fails_at=numbers[key] * (1 + needed))
-        by_list.setdefault(key.partition("[")[0] if key.endswith("]") else key, one)
-    return tuple(by_list.values())[:MAX_DECIDING_INPUTS]
+    by_list: dict[str, str] = {}
+    for key in sorted(found, key=lambda key: abs(found[key])):
+        by_list.setdefault(key.partition("[")[0] if key.endswith("]") else key, key)
+    nearest = list(by_list.values())[:MAX_REFINED_CHANGES]
+    refined = _refined_changes(response, numbers, check, {key: found[key] for key in nearest})
+    return tuple(
+        DecidingInput(key=key, given=numbers[key], fails_at=numbers[key] * (1 + needed))
+        for key, needed in sorted(refined.items(), key=lambda item: abs(item[1]))
+    )[:MAX_DECIDING_INPUTS]
 
 
 def _margin_to_maximum(c: Check) -> float:
@@ -141,13 +179,7 @@ def _relative_changes(
 def _linear_changes(
     response: LineResponse, numbers: Mapping[str, float], check: Check
 ) -> dict[str, float]:
-    steps = 1 + RELATIVE_STEP * np.eye(len(numbers))
-    columns = zip(numbers.items(), steps.T, strict=True)
-    changes = {key: value * step for (key, value), step in columns}
-    varied = change(response.application, changes, warn=False)
-    installed = next(i for i in varied.lines if i.line.name == check.line)
-    demand = line_state_demand(resolve_line_references(varied, installed))
-    values = _worst_values(response, compute_line_response(varied, demand), check, len(numbers))
+    values = _changed_values(response, numbers, check, dict.fromkeys(numbers, RELATIVE_STEP))
     assert check.limit.maximum is not None
     with np.errstate(divide="ignore", invalid="ignore"):
         slopes = (values - check.value) / RELATIVE_STEP
@@ -157,6 +189,66 @@ def _linear_changes(
         for key, share in zip(numbers, needed.tolist(), strict=True)
         if abs(share) <= MAX_RELATIVE_CHANGE  # a nan is not
     }
+
+
+def _refined_changes(
+    response: LineResponse,
+    numbers: Mapping[str, float],
+    check: Check,
+    predicted: Mapping[str, float],
+) -> dict[str, float]:
+    """Return by what share of itself each number makes a check fail, by secants.
+
+    A number is left out where they lead to no end, as where the file refuses it.
+    """
+    if not predicted:
+        return {}
+    assert check.limit.maximum is not None
+    before, beyond_before = np.zeros(len(predicted)), check.value - check.limit.maximum
+    room, at = abs(beyond_before), np.array(list(predicted.values()))
+    beyond = np.full(len(predicted), np.nan)
+    for _ in range(SECANT_STEPS):
+        shares = dict(zip(predicted, at.tolist(), strict=True))
+        beyond = _values_where_accepted(response, numbers, check, shares) - check.limit.maximum
+        with np.errstate(divide="ignore", invalid="ignore"):
+            step = beyond * (at - before) / (beyond - beyond_before)
+        before, beyond_before = at, beyond
+        at = at - np.where(np.abs(beyond) <= CONVERGED_SHARE * room, 0.0, step)
+    ends = np.where(np.abs(beyond) <= MAX_RESIDUAL_SHARE * room, at, np.nan)
+    return {
+        key: share
+        for key, share in zip(predicted, ends.tolist(), strict=True)
+        if abs(share) <= MAX_RELATIVE_CHANGE  # a nan is not
+    }
+
+
+def _values_where_accepted(
+    response: LineResponse, numbers: Mapping[str, float], check: Check, shares: Mapping[str, float]
+) -> FloatArray:
+    """Return the worst values with numbers changed one at a time; nan where a file refuses one."""
+    usable = {key: share for key, share in shares.items() if np.isfinite(share)}
+    found = dict.fromkeys(shares, np.nan)
+    try:
+        if usable:
+            values = _changed_values(response, numbers, check, usable)
+            found |= dict(zip(usable, values.tolist(), strict=True))
+    except CardanError:
+        for key, share in usable.items():
+            with suppress(CardanError):
+                found[key] = float(_changed_values(response, numbers, check, {key: share})[0])
+    return np.array(list(found.values()))
+
+
+def _changed_values(
+    response: LineResponse, numbers: Mapping[str, float], check: Check, shares: Mapping[str, float]
+) -> FloatArray:
+    """Return the worst value with each number changed alone by a share of itself, (count,)."""
+    columns = 1 + np.diag(list(shares.values()))
+    changes = {key: numbers[key] * column for key, column in zip(shares, columns, strict=True)}
+    varied = change(response.application, changes, warn=False)
+    installed = next(i for i in varied.lines if i.line.name == check.line)
+    demand = line_state_demand(resolve_line_references(varied, installed))
+    return _worst_values(response, compute_line_response(varied, demand), check, len(shares))
 
 
 def _worst_values(

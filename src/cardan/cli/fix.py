@@ -100,6 +100,9 @@ def fix(
     from cardan.topics.design.presentation import correction_lines
     from cardan.topics.design.sensitivity import check_sensitivities
 
+    if write is None and proposal != 1:
+        msg = f"--proposal {proposal} needs --write OUT: it is the proposal that is written"
+        raise DesignError(msg)
     say = Translator(lang)
     outputs = validate_output_paths(file, limits, json_out=json_out, write=write)
     if write is not None and write.exists():

@@ -547,14 +547,12 @@ def _deciding_input_items(screen: _Screen) -> Iterator[str]:
 
 
 def _deciding_input_text(one: DecidingInput, say: Translator) -> str:
-    """Return a given value and where it decides, in three digits if those differ."""
-    given = say.compact_number(one.given)
-    ends = (say.compact_number(float(f"{one.fails_at:.{digits}g}")) for digits in range(3, 7))
+    """Return a given value and where it decides."""
     return say(
         "{key} {value} ({given} given)",
         key=one.key.removeprefix("driveline."),  # a file of one line has no other
-        value=next((text for text in ends if text != given), given),
-        given=given,
+        value=say.compact_number(one.printed),
+        given=say.compact_number(one.given),
     )
 
 

@@ -1,6 +1,6 @@
 """A correction of a line: what it moves, and what the application comes to with it."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -18,6 +18,7 @@ from cardan.core.verdict import (
     Verdict,
     worst_verdict,
 )
+from cardan.render.phrases import limit_grouping_key
 from cardan.topics.design.robustness import (
     PRODUCTION_YIELD_CLASS_COUNT,
     ToleranceModel,
@@ -87,8 +88,10 @@ class Correction:
         """Whether it comes to no worse a verdict than the application as it stands.
 
         What does corrects nothing, whatever margin it wins elsewhere. Nor does what leaves less
-        margin at the same verdict, unless less fails or warns.
+        margin at the same verdict, unless less fails or warns; nor what exceeds more criteria.
         """
+        if exceeded_count(self.checks) > exceeded_count(self.installed_approval.checks):
+            return False
         installed = verdict_beyond_bounds(self.installed_approval.verdict, self.installed_approval)
         if self.verdict != installed:
             return worst_verdict([self.verdict, installed]) == installed
@@ -125,6 +128,11 @@ def verdict_beyond_bounds(verdict: Verdict, of: Approval) -> Verdict:
     """
     bounded = any(c.is_lower_bound and c.quantity in LINE_QUANTITIES for c in of.checks)
     return worst_verdict([verdict, "incomplete"]) if bounded else verdict
+
+
+def exceeded_count(checks: Iterable[Check]) -> int:
+    """Return how many limits of lines fail, each counted once for its states and parts."""
+    return len({limit_grouping_key(c) for c in checks if c.grade == "fail"})
 
 
 def _limit_of_part(c: Check) -> LimitOfPart:

@@ -36,6 +36,7 @@ from cardan.core.errors import DesignError
 from cardan.core.status import ProgressCallback, ignore_status
 from cardan.core.verdict import (
     VERDICTS,
+    Check,
     Verdict,
     worst_first_key,
     worst_verdict,
@@ -47,7 +48,12 @@ from cardan.model.application import (
     require_no_placeholders,
 )
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
-from cardan.topics.design.correction import Correction, LimitOfPart, share_of_ranges_used
+from cardan.topics.design.correction import (
+    Correction,
+    LimitOfPart,
+    exceeded_count,
+    share_of_ranges_used,
+)
 from cardan.topics.design.robustness import (
     ToleranceModel,
 )
@@ -130,11 +136,16 @@ class _CorrectionCandidate:
         return VERDICTS.index(self.verdict), -self.margin
 
     @cached_property
+    def checks(self) -> tuple[Check, ...]:
+        """Those of its line, and of those that leave its axle."""
+        return tuple(c for r in self.responses for c in line_checks(r))
+
+    @cached_property
     def verdict(self) -> Verdict:
         """What its line comes to, and those that leave its axle."""
-        checks = [c for r in self.responses for c in line_checks(r)]
         found: list[Verdict] = [
-            worst_verdict([c.grade, "incomplete"]) if c.is_lower_bound else c.grade for c in checks
+            worst_verdict([c.grade, "incomplete"]) if c.is_lower_bound else c.grade
+            for c in self.checks
         ]
         missed = any(u.limit.required for r in self.responses for u in unevaluated_line_checks(r))
         return worst_verdict([*found, "incomplete"] if missed else found)
@@ -456,8 +467,8 @@ def find_corrections(
     -------
     tuple of Correction
         Best verdict first, then what most trucks survive as they scatter, then the cheapest.
-        None comes to a worse verdict than the line as installed, nor is it beaten by that or by
-        another that costs less and leaves more margin.
+        None comes to a worse verdict than the line as installed, or to more criteria exceeded,
+        nor is it beaten by that or by another that costs less and leaves more margin.
 
     Raises
     ------
@@ -487,7 +498,11 @@ def find_corrections(
     installed = found.get(())
     if installed is None:  # nothing that may be moved changes anything
         return ()
-    ranked = sorted(found.values(), key=lambda t: t.rank)
+    # Before they are compared: what exceeds more hides by its margin what exceeds less.
+    most = exceeded_count(installed.checks)
+    ranked = sorted(
+        (t for t in found.values() if exceeded_count(t.checks) <= most), key=lambda t: t.rank
+    )
     unbeaten = [t for t in _unbeaten(ranked) if t.moves][
         : max(count, MIN_CORRECTIONS_WITH_TOLERANCE_YIELD)
     ]
