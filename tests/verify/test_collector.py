@@ -79,7 +79,6 @@ def test_refuse_collector_on_rubber_fails_in_first_gear():
     # Order 2 at 220 rpm is the sideways mode, 7.3 Hz; the stop takes its crest to 1.22 of that.
     assert worst.point.speed * 30 / np.pi == pytest.approx(269, rel=0.04)
     assert worst.mode is None  # modes are of linear rubber
-    assert worst.mode.frequency / (2 * np.pi) == pytest.approx(7.3, abs=0.05)
 
 
 # ----------------------------------------------------------- 3: damage, life, peaks, cause
