@@ -170,7 +170,7 @@ class FaultSource:
         Made with the sample rate and the count of channels, for all of them; of the first kind.
     roughly_sized
         Kinds whose places the detector finds to the sample, but whose sizes any other finding of
-        the same change tells better.
+        the same change measures better.
     """
 
     kinds: tuple[FaultKind, ...]

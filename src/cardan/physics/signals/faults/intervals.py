@@ -54,7 +54,7 @@ def fault_intervals(runs: Iterable[tuple[int, int]], sizes: Iterable[float] = ()
 
 
 def with_sizes_of(places: FaultIntervals, other: FaultIntervals, *, within: int) -> FaultIntervals:
-    """Return places with the sizes that another finding gives those it tells as well.
+    """Return places with the sizes that another finding gives those it has as well.
 
     Of the same sign, and so many samples away at most; where either finds several so close
     together, which is which is unknown, and the sizes stay.
