@@ -36,8 +36,18 @@ from cardan.physics.signals.faults.fault_kind import (
     SignalBlock,
     WholeChannelFault,
 )
-from cardan.physics.signals.faults.intervals import FaultIntervals, merge_runs, overlaps
+from cardan.physics.signals.faults.intervals import (
+    NO_FAULTS,
+    FaultIntervals,
+    merge_runs,
+    overlaps,
+    with_sizes_of,
+)
 from cardan.physics.signals.faults.registry import FAULT_KINDS, FAULT_SOURCES, FAULTS_BY_CODE
+
+MAX_SAME_CHANGE_DISTANCE_S = 8.0
+"""Time within which two findings are of one change: as far as gauges held against each other
+leave it open."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +62,12 @@ class FaultDetector:
     """Finds one channel's faults of every registered kind, as its pieces pass."""
 
     def __init__(self, rate: float) -> None:
-        self.detectors = [of.detector(rate) for of in FAULT_SOURCES if of.detector is not None]
+        self.same_change = round(MAX_SAME_CHANGE_DISTANCE_S * rate)
+        sources = [
+            (of.detector(rate), of.roughly_sized) for of in FAULT_SOURCES if of.detector is not None
+        ]
+        self.detectors = [one for one, _ in sources]
+        self.roughly_sized = [kinds for _, kinds in sources]
 
     def update(self, block: SignalBlock) -> None:
         """Take the next piece."""
@@ -64,12 +79,13 @@ class FaultDetector:
     ) -> ChannelFaults:
         """Return the faults found; of a kind without any, what a comparison with others says."""
         intervals, whole = dict(compared), dict[str, WholeChannelFault]()
-        for one in self.detectors:
+        for one, rough in zip(self.detectors, self.roughly_sized, strict=True):
             for kind, fault in one.result(of).items():
                 if not isinstance(fault, FaultIntervals):
                     whole[kind] = fault
                 elif fault.count:
-                    intervals[kind] = fault
+                    better = intervals.get(kind, NO_FAULTS) if kind in rough else NO_FAULTS
+                    intervals[kind] = with_sizes_of(fault, better, within=self.same_change)
         intervals = {k: _unexplained(where, k, intervals) for k, where in intervals.items()}
         kinds = [k for k in FAULT_KINDS if of.alive and k in intervals and intervals[k].count]
         return ChannelFaults({k: intervals[k] for k in kinds}, whole)

@@ -18,6 +18,10 @@ GAIN_CHECK_SPANS_PER_SIDE, MIN_GAIN_CHANGE_LN, MAX_JUMP_TO_SWING_GAIN_MISMATCH_L
 """Spans next to a tear that show whether the gain changed there; the logarithm of the least change,
 and how far from it the swing's may be."""
 
+MAX_REVERSAL_FACTOR_ERROR_LN = 0.3
+"""Logarithm by which the gain that a tear shows may be off: where the signal bends, lines through
+two samples on either side are off by 7 % in the middle, and by 30 % in a tenth of all cases."""
+
 
 def find_discontinuities(x: FloatArray) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return where x is torn: runs (k, 2) of one sample each, how far it jumps to it, and where to.
@@ -72,5 +76,7 @@ def gain_factors(
         larger = by > 0 and abs(np.log(by)) > MIN_GAIN_CHANGE_LN and off < grown / 2
         turned = by < 0 and abs(new - by * level) < abs(new - level - jump)
         if off < MAX_JUMP_TO_SWING_GAIN_MISMATCH_LN and (larger or turned):
-            factors[k] = by
+            # Two wires that were swapped turn a gauge over and change nothing else.
+            swapped = by < 0 and abs(np.log(-by)) < MAX_REVERSAL_FACTOR_ERROR_LN
+            factors[k] = -1.0 if swapped else by
     return factors

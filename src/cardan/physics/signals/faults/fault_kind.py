@@ -168,8 +168,12 @@ class FaultSource:
         Made with the sample rate, for each channel; None: found elsewhere.
     comparison
         Made with the sample rate and the count of channels, for all of them; of the first kind.
+    roughly_sized
+        Kinds whose places the detector finds to the sample, but whose sizes any other finding of
+        the same change measures better.
     """
 
     kinds: tuple[FaultKind, ...]
     detector: Callable[[float], ChannelFaultDetector] | None = None
     comparison: Callable[[float, int], ComparisonFaultDetector] | None = None
+    roughly_sized: tuple[str, ...] = ()

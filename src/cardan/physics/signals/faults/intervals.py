@@ -53,6 +53,21 @@ def fault_intervals(runs: Iterable[tuple[int, int]], sizes: Iterable[float] = ()
     return FaultIntervals(rows[order], heights[order])
 
 
+def with_sizes_of(places: FaultIntervals, other: FaultIntervals, *, within: int) -> FaultIntervals:
+    """Return places with the sizes that another finding gives those it has as well.
+
+    Of the same sign, and so many samples away at most; where either finds several so close
+    together, which is which is unknown, and the sizes stay.
+    """
+    near = np.abs(places.runs[:, :1] - other.runs[:, 0]) <= within
+    alone = np.abs(places.runs[:, :1] - places.runs[:, 0]) <= within
+    sizes = places.sizes.copy()
+    for k in np.flatnonzero((near.sum(-1) == 1) & (alone.sum(-1) == 1)):
+        size = other.sizes[near[k]][0]
+        sizes[k] = size if size * sizes[k] > 0 else sizes[k]
+    return FaultIntervals(places.runs, sizes)
+
+
 def merge_runs(parts: Iterable[IntArray]) -> IntArray:
     """Return runs (k, 2) that cover what any of some runs cover, in order and apart."""
     rows = np.concatenate([np.empty((0, 2), np.intp), *parts])

@@ -460,4 +460,5 @@ SOURCE = FaultSource(
         gain_change.KIND,
     ),
     detector=WaveformFaultDetector,
+    roughly_sized=(FAULT_GAIN,),
 )
