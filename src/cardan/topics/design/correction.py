@@ -18,7 +18,6 @@ from cardan.core.verdict import (
     Verdict,
     worst_verdict,
 )
-from cardan.render.phrases import limit_grouping_key
 from cardan.topics.design.robustness import (
     PRODUCTION_YIELD_CLASS_COUNT,
     ToleranceModel,
@@ -132,7 +131,7 @@ def verdict_beyond_bounds(verdict: Verdict, of: Approval) -> Verdict:
 
 def exceeded_count(checks: Iterable[Check]) -> int:
     """Return how many limits of lines fail, each counted once for its states and parts."""
-    return len({limit_grouping_key(c) for c in checks if c.grade == "fail"})
+    return len({(c.quantity, c.line, c.limit) for c in checks if c.grade == "fail"})
 
 
 def _limit_of_part(c: Check) -> LimitOfPart:
