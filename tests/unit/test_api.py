@@ -162,7 +162,7 @@ def test_quantity_is_listed_by_line_state_and_part(found):
     assert len(peaks.values) == 7 * 2
     worst = peaks.worst
     assert (str(worst.when), str(worst.part)) == ("jounce", "centre bearing 2")
-    assert worst.value == max(v.value for v in peaks.values) == pytest.approx(7678, rel=0.01)
+    assert worst.value == max(v.value for v in peaks.values) == pytest.approx(7820, rel=0.02)
     document = found.to_dict()["states"]
     for v in peaks.values:
         state = next(s for s in document if s["name"] == v.when.name)
