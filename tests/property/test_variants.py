@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from cardan.application import overrides, reader
 from cardan.checks.line_response import compute_line_response
 from cardan.checks.quantities.registry import LINE_QUANTITIES
+from cardan.checks.rubber_at_stop import FORCE_KINDS
 from cardan.core.errors import DesignError, InvalidFileError
 from cardan.model.application import Application
 from cardan.model.layout import Layout
@@ -44,6 +45,8 @@ def found(of: Application) -> dict[str, np.ndarray]:
             values[f"{line}, {name}"] = value
         response = compute_line_response(of, asked)
         values |= {f"{line}, {key}": q.values(response) for key, q in LINE_QUANTITIES.items()}
+        for kind in FORCE_KINDS:  # on linear rubber: of a batch a stop is not solved
+            values[f"{line}, centre_bearing_{kind}"] = response.mount_loads.bearing_force(kind)
         static, dynamic = response.rigid_loads.small_angle_bearing_forces
         values |= {f"{line}, small static": static, f"{line}, small dynamic": dynamic}
         for name, by in response.kinematics.approximate_excitations.items():
