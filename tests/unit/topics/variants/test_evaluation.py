@@ -13,6 +13,7 @@ from cardan.approval.applied_adjustments import response_with_adjustments
 from cardan.approval.approval import approve_driveline
 from cardan.approval.driveline_study import line_checks
 from cardan.checks.line_response import compute_line_response
+from cardan.checks.mount_loads import MountLoads
 from cardan.checks.quantities.registry import LINE_QUANTITIES
 from cardan.core.errors import InvalidFileError
 from cardan.core.labels import WHOLE_LINE, EvaluationCondition
@@ -63,7 +64,14 @@ def agrees(found, k, checks, verdict):
     ) == len({(c.line, c.limit) for c in checks})
 
 
+@pytest.fixture
+def linear_rubber(monkeypatch):
+    """Single checks that do not solve a stop, as a batch does not: their forces are its bounds."""
+    monkeypatch.setattr(MountLoads, "stop_response", None)
+
+
 @pytest.mark.slow
+@pytest.mark.usefixtures("linear_rubber")
 @pytest.mark.parametrize(
     ("path", "vary"),
     [
@@ -95,6 +103,7 @@ def test_each_variant_equals_its_single_check(path, vary):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("linear_rubber")
 def test_adjustments_vary_together_with_file_values():
     application = reader.read(TRUCK)
     vary = {
