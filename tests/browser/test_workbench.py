@@ -40,6 +40,7 @@ from cardan.approval.approval import approve_application
 from cardan.core.units import deg
 from cardan.core.verdict import CHECK_GRADES
 from cardan.render.i18n import Translator
+from cardan.render.phrases import VERDICT_TEXTS
 
 pytestmark = [pytest.mark.browser, pytest.mark.filterwarnings("ignore::ResourceWarning")]
 
@@ -86,7 +87,8 @@ def test_dragging_bearing_updates_drawing_verdict_and_file(browser, tmp_path):
         old, new = (reader.loads(t).lines[0].layout.points[2, 2] for t in (was, now))
         assert new - old > 0.005
         verdict = browser.find_element("css selector", ".verdict").text.lower()
-        assert approve_application(reader.loads(now)).verdict in verdict
+        said = VERDICT_TEXTS[approve_application(reader.loads(now)).verdict]
+        assert said in verdict
         assert path.read_text("utf-8") == was
         browser.find_element("css selector", ".save").click()
         wait(browser, "return document.querySelector('.save').disabled")

@@ -197,8 +197,9 @@ _DECLARED = (
         probe_step=1 * deg,
         resolution=0.5 * deg,
         label="shim of the axle",
-        increase_text="pinion angle +{amount}° (shim)",
-        decrease_text="pinion angle -{amount}° (shim)",
+        increase_text="pinion angle {amount}° (shim)",
+        decrease_text="pinion angle {amount}° (shim)",
+        shows_sign=True,
     ),
     Adjustment(
         key="phase",

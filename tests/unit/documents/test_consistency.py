@@ -472,7 +472,7 @@ def test_unstable_line_fails_in_headline_and_chapter(undamped, tmp_path):
             undamped, helps=(), fixes=(), say=say, issue=story.ReportDateAndSourceStamp()
         )
         (text,) = [b for b in vibration_blocks(vibration, say) if hasattr(b, "paragraphs")]
-        assert say("fail").upper() in text.paragraphs[0]
+        assert say("not approved").upper() in text.paragraphs[0]
         html = unescape(html_page(told))
         assert told.verdict == say("not approved").upper()
         assert text.paragraphs[0] in html
