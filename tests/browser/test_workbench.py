@@ -434,7 +434,7 @@ def test_single_correction_is_applied_by_click(browser, tmp_path):
         now = edited(browser, was)
         assert approve_application(reader.loads(was)).verdict == "warn"
         assert approve_application(reader.loads(now)).verdict == "pass"
-        assert "pass" in browser.find_element("css selector", ".verdict").text.lower()
+        assert "✓ approved" in browser.find_element("css selector", ".verdict").text.lower()
 
 
 def test_tube_is_replaced_from_catalogue(browser, tmp_path):
@@ -464,7 +464,9 @@ def test_unsaved_edit_survives_crash_and_external_file_change(browser, tmp_path)
         browser.refresh()
         wait(browser, SETTLED)
         assert text_of(browser) == now
-        assert "not saved last time" in browser.find_element("css selector", ".notice").text
+        assert (
+            "Unsaved changes of last time" in browser.find_element("css selector", ".notice").text
+        )
     with workbench(tmp_path, CHAIN) as (house, path):  # as after a crash of the server
         opened(browser, house)
         assert text_of(browser) == now
@@ -488,7 +490,7 @@ def test_typed_text_is_checked_and_error_position_is_shown(browser, tmp_path):
         browser.execute_script(put, CHAIN.replace("2800", "900"))
         wait(browser, "return !document.querySelector('.problems .fail')")
         wait(browser, SETTLED)
-        assert "pass" in browser.find_element("css selector", ".verdict").text.lower()
+        assert "✓ approved" in browser.find_element("css selector", ".verdict").text.lower()
 
 
 def test_three_dimensional_view_is_drawn(tmp_path):

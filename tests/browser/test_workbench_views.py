@@ -184,7 +184,7 @@ def test_short_form_creates_file_with_verdict(browser, tmp_path):
         assert app.title == "Rear tipper: 4x2"
         assert [round(float(s), 1) for s in np.degrees(app.lines[0].layout.side)] == [3, 1, 4.5, 2]
         assert approve_application(app).verdict == "pass"
-        assert "pass" in said(browser, ".verdict").lower()
+        assert "✓ approved" in said(browser, ".verdict").lower()
         assert serious(browser) == []
         clean(browser)
 
@@ -289,7 +289,7 @@ def test_inclinometer_readings_give_verdict_within_two_minutes(browser, tmp_path
         press(browser, ".guided .make")
         hand += THINK + POINT
         wait(browser, SETTLED)
-        assert "pass" in said(browser, ".verdict").lower()
+        assert "✓ approved" in said(browser, ".verdict").lower()
     assert hand > 40
     assert time.monotonic() - since + hand < 120
 
@@ -462,7 +462,7 @@ def test_signed_deviation_from_limit_is_recorded(browser, tmp_path):
         wait(browser, "return document.querySelector('.limits .differs')")
         assert "signed Q. Engineer" in said(browser, ".limits .differs")
         wait(browser, SETTLED)
-        assert "pass" in said(browser, ".verdict").lower()
+        assert "✓ approved" in said(browser, ".verdict").lower()
         assert serious(browser) == []
         show(browser, "line")
         now = text_of(browser)
