@@ -83,12 +83,19 @@ class FaultDetector:
             for kind, fault in one.result(of).items():
                 if not isinstance(fault, FaultIntervals):
                     whole[kind] = fault
-                elif fault.count:
+                elif fault.count and not _is_sized_by_comparison(
+                    compared.get(kind, NO_FAULTS), fault
+                ):
                     better = intervals.get(kind, NO_FAULTS) if kind in rough else NO_FAULTS
                     intervals[kind] = with_sizes_of(fault, better, within=self.same_change)
         intervals = {k: _unexplained(where, k, intervals) for k, where in intervals.items()}
         kinds = [k for k in FAULT_KINDS if of.alive and k in intervals and intervals[k].count]
         return ChannelFaults({k: intervals[k] for k in kinds}, whole)
+
+
+def _is_sized_by_comparison(compared: FaultIntervals, fault: FaultIntervals) -> bool:
+    """Return whether a comparison sized what this channel alone shows without a size."""
+    return bool(compared.count and np.isnan(fault.sizes).all())
 
 
 def _unexplained(
