@@ -54,7 +54,7 @@ class NoRepeatedOptionCommand(click.Command):
     """A command that refuses an option given twice: one of the two would be passed over."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Read the options and arguments; what is wrong is said in the requested language."""
+        """Read the options and arguments; errors are in the requested language."""
         given = tuple(args)  # of which the parser takes away
         try:
             return self._parse_unique(ctx, args)

@@ -151,7 +151,7 @@ def screened_sizes(
                         still[i, j] = K_T - 0.5 * loose
                     else:
                         still[i, N] = T * values[i] + 0.5 * loose
-            solved = eliminate_real(still, N) and solved
+            solved = eliminate(still, N) and solved
             for i in range(N):
                 q0[i] = still[i, N]
             for i in range(N):
@@ -358,7 +358,7 @@ def balanced_motions(
                         found += left[i, k].conjugate() * own[k, m]
                     for j in range(N):
                         still[i, j] -= found.real * right[m, j].real - found.imag * right[m, j].imag
-            solved = eliminate_real(still, N) and solved
+            solved = eliminate(still, N) and solved
             if not solved:
                 return False
             for k in range(n):
@@ -431,8 +431,8 @@ def responses(
     return True
 
 
-def eliminate(a: ComplexArray, n: int) -> bool:
-    """Solve a (n, n + m) complex system in place by Gauss with exchanged rows.
+def eliminate(a: ComplexArray | FloatArray, n: int) -> bool:
+    """Solve a (n, n + m) system in place by Gauss with exchanged rows.
 
     The first n columns are the matrix and are overwritten; the others are right-hand sides and
     become the solutions. False if the matrix is singular.
@@ -444,36 +444,6 @@ def eliminate(a: ComplexArray, n: int) -> bool:
             size = abs(a[i, k].real) + abs(a[i, k].imag)
             if size > most:
                 best, most = i, size
-        if most == 0:
-            return False
-        if best != k:
-            for j in range(k, columns):
-                a[k, j], a[best, j] = a[best, j], a[k, j]
-        pivot = 1.0 / a[k, k]
-        a[k, k] = pivot
-        for i in range(k + 1, n):
-            share = a[i, k] * pivot
-            for j in range(k + 1, columns):
-                a[i, j] -= share * a[k, j]
-    for k in range(n - 1, -1, -1):
-        pivot = a[k, k]
-        for j in range(n, columns):
-            a[k, j] *= pivot
-        for i in range(k):
-            share = a[i, k]
-            for j in range(n, columns):
-                a[i, j] -= share * a[k, j]
-    return True
-
-
-def eliminate_real(a: FloatArray, n: int) -> bool:
-    """Solve a real system as `eliminate` does."""
-    columns = a.shape[1]
-    for k in range(n):
-        best, most = k, abs(a[k, k])
-        for i in range(k + 1, n):
-            if abs(a[i, k]) > most:
-                best, most = i, abs(a[i, k])
         if most == 0:
             return False
         if best != k:
@@ -551,17 +521,13 @@ def fill_bearing_forces(
 
 def screening_kernel() -> ResponseKernel | None:
     """Return the compiled `screened_sizes`; None without numba."""
-    loop: Any = compiled(
-        screened_sizes, eliminate, eliminate_real, fill_dynamic_stiffness, half_axis
-    )
+    loop: Any = compiled(screened_sizes, eliminate, fill_dynamic_stiffness, half_axis)
     return loop
 
 
 def balance_kernel() -> ResponseKernel | None:
     """Return the compiled `balanced_motions`; None without numba."""
-    loop: Any = compiled(
-        balanced_motions, eliminate, eliminate_real, fill_bearing_forces, fill_dynamic_stiffness
-    )
+    loop: Any = compiled(balanced_motions, eliminate, fill_bearing_forces, fill_dynamic_stiffness)
     return loop
 
 

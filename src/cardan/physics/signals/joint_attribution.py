@@ -367,7 +367,7 @@ def _result_with_lock(case: IdentificationProblem, seed: int) -> JointCausedStre
 
 
 MIN_NOTED_DAMAGE_CHANGE = 0.2
-"""Change of the damage, relative, by a gain that stepped, from which that is said."""
+"""Relative change of the damage by a gain that stepped, from which it is reported."""
 
 
 MAX_STEP_TO_STEP_OF_GAINS = 4.0
