@@ -116,7 +116,7 @@ def test_drafts_of_two_crashed_tabs_are_both_restored(browser, tmp_path):
         if text_of(browser).endswith(other):  # it was kept once more as it was closed
             shown, other = other, shown
         assert text_of(browser).endswith(shown)
-        assert "among the variants" in browser.execute_script(SHOWN, ".notice")
+        assert "kept as variants" in browser.execute_script(SHOWN, ".notice")
         click(browser, "[data-view=variants]")
         wait(browser, "return document.querySelector('.variants [data-do=take]')")
         name = browser.find_element("css selector", ".variants th input").get_property("value")

@@ -3,6 +3,7 @@
 Needs the built page: `make browser` builds it.
 """
 
+import re
 import sys
 import time
 from pathlib import Path
@@ -85,7 +86,11 @@ def test_speed_view_shows_bearing_forces_campbell_diagram_and_launch(browser, tm
         wait(browser, f"{value.replace('return', 'return /N, fail$/.test(')})")
         told = browser.execute_script(value)
         newtons = float(told.rpartition(": ")[2].split(" N")[0])
-        assert newtons == pytest.approx(worst.value, rel=0.015)  # speeds that are drawn, not sought
+        # Of linear rubber, as the view says, and at speeds that are drawn, not sought.
+        card = "return document.querySelector('#forces').closest('.card').innerText"
+        assert "linear rubber" in browser.execute_script(card)
+        linear = found.line_responses[0].mount_loads.bearing_force("dynamic")
+        assert newtons == pytest.approx(linear[states.index(worst.when.name)].max(), rel=0.015)
         browser.find_element("css selector", ".field canvas").send_keys(Keys.ARROW_RIGHT)
         wait(browser, f"{value} !== arguments[0]", told)
         press(browser, ".vehicle .asking button")
@@ -174,7 +179,8 @@ def test_short_form_creates_file_with_verdict(browser, tmp_path):
         chosen(browser)
         wait(
             browser,
-            "return document.querySelector('.guided header b')?.innerText.toLowerCase() == 'pass'",
+            "return document.querySelector('.guided header b')?.innerText.toLowerCase()"
+            " === 'approved'",
         )
         press(browser, ".make")
         wait(browser, SETTLED)
@@ -233,10 +239,10 @@ def test_new_form_takes_own_parts_gears_and_two_wheelbases(browser, tmp_path):
         wait(browser, "return document.querySelector('.guide')")
         Select(browser.find_element("css selector", "[data-field=count]")).select_by_index(1)
         joint = browser.find_element("css selector", "[data-field=joint]")
-        Select(joint).select_by_visible_text("own")
+        Select(joint).select_by_visible_text("own joint")
         for k in (1, 2):
             tube = browser.find_element("css selector", f"[aria-label='shaft {k}: tube']")
-            Select(tube).select_by_visible_text("own" if k == 2 else "90x3")
+            Select(tube).select_by_visible_text("own tube" if k == 2 else "90x3")
         for field, value in typed.items():
             fill(browser, field, value)
         wait(
@@ -492,11 +498,12 @@ def test_folder_opens_as_library_with_status_of_each_file(browser, tmp_path):
         arrived(browser, house)
         wait(browser, "return document.querySelectorAll('.library li').length === 3")
         rows = {
-            row.text.split()[1]: row.text
+            re.search(r"\S+\.yaml", row.text)[0]: row.text.lower()
             for row in browser.find_elements("css selector", ".library li")
         }
-        assert rows["chain.yaml"].startswith("warn")
-        assert rows["slow.yaml"].startswith("pass")
+        assert "approved with warnings" in rows["chain.yaml"]
+        assert rows["slow.yaml"].startswith("approved")
+        assert "with warnings" not in rows["slow.yaml"]
         assert rows["broken.yaml"].startswith("unreadable")
         for box in browser.find_elements("css selector", ".library li input")[1:]:
             box.click()
@@ -614,7 +621,8 @@ def test_oversized_request_is_reported_and_connection_stays_open(browser, tmp_pa
             box.click()
         assert "up to 12 files" in said(browser, ".library [role=alert]")
         assert not browser.find_element("css selector", "[data-do=compare]").is_enabled()
-        browser.find_elements("css selector", ".library li input")[0].click()
+        first = browser.find_elements("css selector", ".library li input")[0]
+        browser.execute_script("arguments[0].click()", first)  # the head of the page may cover it
         press(browser, "[data-do=compare]")
         assert watched(browser)
         for title in ("x" * 201, "x" * 301):

@@ -64,7 +64,12 @@ def forces_over_speed(
     r = line_response_in_states(whole, (s,))
     found = r.mounts.demand_torque_curves
     drawn = [k for k, end in enumerate(found.max_speed[:, 0]) if end > 0]
-    told: Json = {"line": r.line.name, "state": s, "said": say.state(r.demand.states[0])}
+    said = say.state(r.demand.states[0])
+    if _meets_stop(whole, s):
+        said = say(
+            "{state}: forces of linear rubber; it meets its stop, see the limits", state=said
+        )
+    told: Json = {"line": r.line.name, "state": s, "said": said}
     if not drawn:
         return {**told, "gears": [], "bearings": [], "diagrams": []}
     top = float(np.nanmax(found.max_speed[drawn, 0]))
@@ -111,6 +116,13 @@ def forces_over_speed(
             ) if modes
         ],
     }  # fmt: skip
+
+
+def _meets_stop(r: LineResponse, state: int) -> bool:
+    """Return whether linear rubber of some bearing goes beyond its stop in a state."""
+    margins = r.mount_loads.stop_margin("peak")
+    states = len(r.demand.states)
+    return bool((np.broadcast_to(margins, (states, margins.shape[-1]))[state] < 0).any())
 
 
 def _order_amplitudes(running: Any, bearing: int) -> Iterator[FloatArray]:
