@@ -102,7 +102,8 @@ def test_job_sends_partial_results_before_its_result(house):
         text = one.open()["saved"]
         one.say("job", id=7, job="speeds", text=text, args={"state": 1})
         done = one.hear("done")
-        assert (done["id"], done["job"], done["said"]) == (7, "speeds", "empty")
+        assert (done["id"], done["job"]) == (7, "speeds")
+        assert done["said"].startswith("empty")  # the state; what follows is of its rubber
         one.say("job", id=8, job="torsion", text=text, args={})
         part = one.hear("part")
         assert part["id"] == 8
@@ -706,7 +707,7 @@ def test_corrections_match_their_generated_command(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     _, *asked = shlex.split(told["command"])
     document = json.loads(CliRunner().invoke(cli, [*asked, "--quiet", "--json"]).stdout)
-    assert len(document) == len(told["proposals"]) > 1
+    assert len(document) == len(told["proposals"]) > 0
     for mine, theirs in zip(told["proposals"], document, strict=True):
         assert mine["verdict"] == theirs["verdict"]
         assert mine["cost"] == pytest.approx(theirs["cost"], abs=1e-4)

@@ -422,15 +422,17 @@ def test_proposal_for_warning_does_not_fail(asked, monkeypatch):
             "cardan.topics.design.corrections._least", lambda of, *, to: of[to].min(-1)
         )
     app = reader.read(EXAMPLES / "vecto-4x2.yaml")
-    # What its bearing carries fails, whatever is moved.
-    forces = {f"centre_bearing_{kind}" for kind in FORCE_KINDS}
-    app = replace(app, limits=tuple(m for m in app.limits if m.quantity not in forces))
+    # What its bearing carries fails, whatever is moved; with the next two no setting is better
+    # in all that warns.
+    out = {f"centre_bearing_{kind}" for kind in FORCE_KINDS}
+    out |= {"resonance_distance", "spline_compression_utilisation"}
+    app = replace(app, limits=tuple(m for m in app.limits if m.quantity not in out))
     found = find_corrections(app)
     assert all(p.verdict == p.installed_approval.verdict == "warn" for p in found)
     if asked == "what fails too":
         return
     assert found
-    assert max(p.margin for p in found) > found[0].margin_before + 0.03  # -53.5 to -49.7 %
+    assert max(p.margin for p in found) > found[0].margin_before + 0.03  # -17.6 to -6.9 %
 
 
 def test_forbidden_band_is_not_treated_as_maximum(truck):
