@@ -45,9 +45,11 @@ _LEAST_STEP = 1 / 16
 """Of the way between two speeds, at which a motion that is followed is given up as lost."""
 _STIFFENING = (0.2, 0.4, 0.6, 0.8, 1.0)
 """Powers of the ratio of stiffness by which a motion is found from that of linear rubber."""
+_FOLLOWED = len(_STIFFENING)
+_SHARES = np.append(_STIFFENING, 1.0)
 _LARGEST_JUMP = 0.3
 """Of the travel to the stop, off where it was expected: more is another motion."""
-_MOST_STEPS = 1000
+_MOST_STEPS = 8000
 _RESIDUAL_SHARE = 1e-4
 """Of the travel to the stop, below which Newton's method ends."""
 
@@ -122,40 +124,73 @@ class StoppedMotion:
     travel: FloatArray
 
 
-def stop_forces(
-    travel: FloatArray, *, stiffness: FloatArray, stop: FloatArray, ratio: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return what stops add to the rubber's force, (..., B, 2) N, and its slope (..., B, 2, 2).
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StopContact:
+    """Bearings at J instants, and how far each is beyond its stop, arrays (C, J, B).
 
-    For `travel` (C, J, B, 2) m at J instants, stiffness (C, B, 2) N/m, stop and ratio (C, B) m, 1.
+    Attributes
+    ----------
+    n1, n2, k : 1, 1, N/m
+        Direction of the travel across the shaft, and the rubber's stiffness in it.
+    s1, s2 : N/m
+        How that varies across the direction: k' = 2 s/u.
+    gap, share : m, 1
+        Travel beyond the stop, and of all travel; 0 within it.
+    more : (C, 1, B)
+        Stiffness that the stop adds, over that of the rubber.
     """
-    square = travel[..., 0] ** 2 + travel[..., 1] ** 2
-    force, slope = np.zeros_like(travel), np.zeros((*travel.shape, 2))
-    there = np.nonzero(square > stop[:, None] ** 2)
-    if not len(there[0]):
-        return force, slope
-    of = there[0], there[2]
-    x, K, more = travel[there], stiffness[of], ratio[of] - 1
-    u = np.sqrt(square[there])
-    gap = u - stop[of]
-    g = gap / u
-    n1, n2 = x[:, 0] / u, x[:, 1] / u
-    k = K[:, 0] * n1**2 + K[:, 1] * n2**2
-    # V = (r - 1) k gap²/2, and k' = 2 s/u across n.
-    s1, s2 = (K[:, 0] - k) * n1, (K[:, 1] - k) * n2
-    force[there] = (more * gap)[:, None] * np.stack([k * n1 + g * s1, k * n2 + g * s2], axis=-1)
-    rest = g * (1 - g)
-    both = k * (1 - g)  # k n n' + g (k (1 - n n') + 2 (n s' + s n')) + g² (K - k - 2 (n s' + s n'))
-    slope[(*there, 0, 0)] = more * (
-        both * n1 * n1 + g * k + 4 * rest * n1 * s1 + g**2 * (K[:, 0] - k)
-    )
-    slope[(*there, 1, 1)] = more * (
-        both * n2 * n2 + g * k + 4 * rest * n2 * s2 + g**2 * (K[:, 1] - k)
-    )
-    slope[(*there, 0, 1)] = slope[(*there, 1, 0)] = more * (
-        both * n1 * n2 + 2 * rest * (n1 * s2 + n2 * s1)
-    )
-    return force, slope
+
+    stiffness: FloatArray
+    n1: FloatArray
+    n2: FloatArray
+    k: FloatArray
+    s1: FloatArray
+    s2: FloatArray
+    gap: FloatArray
+    share: FloatArray
+    more: FloatArray
+
+    @classmethod
+    def of(
+        cls, travel: FloatArray, *, stiffness: FloatArray, stop: FloatArray, ratio: FloatArray
+    ) -> "StopContact":
+        """Return it of `travel` (C, J, 2 B) m, stiffness (C, B, 2) N/m, stop and ratio (C, B)."""
+        x, y = travel[..., 0::2], travel[..., 1::2]
+        u = np.sqrt(x * x + y * y)
+        gap = np.maximum(u - stop[:, None], 0.0)
+        u = np.maximum(u, np.finfo(float).tiny)
+        n1, n2 = x / u, y / u
+        K1, K2 = stiffness[:, None, :, 0], stiffness[:, None, :, 1]
+        k = K1 * (n1 * n1) + K2 * (n2 * n2)
+        return cls(
+            stiffness=stiffness,
+            n1=n1, n2=n2, k=k, s1=(K1 - k) * n1, s2=(K2 - k) * n2,
+            gap=gap, share=gap / u, more=ratio[:, None] - 1,
+        )  # fmt: skip
+
+    @property
+    def force(self) -> FloatArray:
+        """What stops add to the rubber's force, (C, J, 2 B) N: the gradient of V."""
+        found = np.empty((*self.gap.shape, 2))
+        size = self.more * self.gap
+        found[..., 0] = size * (self.k * self.n1 + self.share * self.s1)
+        found[..., 1] = size * (self.k * self.n2 + self.share * self.s2)
+        return found.reshape(*found.shape[:-2], -1)
+
+    @property
+    def slope(self) -> FloatArray:
+        """Its derivatives by the travel, (C, J, 3, B) N/m: along the axes, and across between."""
+        n1, n2, s1, s2, g = self.n1, self.n2, self.s1, self.s2, self.share
+        # k (1 - g) n n' + g (k (1 - n n') + 2 (n s' + s n')) + g² (K - k - 2 (n s' + s n'))
+        K1, K2 = self.stiffness[:, None, :, 0], self.stiffness[:, None, :, 1]
+        more = self.more * (self.gap > 0)
+        both, rest = self.k * (1 - g), 2 * g * (1 - g)
+        even, g2 = g * self.k, g * g
+        found = np.empty((*g.shape[:-1], 3, g.shape[-1]))
+        found[..., 0, :] = more * (both * n1 * n1 + even + 2 * rest * n1 * s1 + g2 * (K1 - self.k))
+        found[..., 1, :] = more * (both * n2 * n2 + even + 2 * rest * n2 * s2 + g2 * (K2 - self.k))
+        found[..., 2, :] = more * (both * n1 * n2 + rest * (n1 * s2 + n2 * s1))
+        return found
 
 
 def stop_receptance(
@@ -265,9 +300,10 @@ def forces_at_stop(
     rubber = rubber.reshape(*lead, -1, bearings, 3).copy()
     rubber[..., :2] += more.reshape(*lead, -1, bearings, 2)
     force = (_FINE_BASIS @ rubber.reshape(*lead, -1, 3 * bearings)).reshape(*lead, -1, bearings, 3)
-    x = (_FINE_BASIS @ travel).reshape(*lead, -1, bearings, 2)
-    pushed, _ = stop_forces(x, stiffness=stiffness, stop=stop, ratio=ratio)
-    force[..., :2] += pushed
+    x = _FINE_BASIS @ travel
+    pushed = StopContact.of(x, stiffness=stiffness, stop=stop, ratio=ratio).force
+    x = x.reshape(*lead, -1, bearings, 2)
+    force[..., :2] += pushed.reshape(x.shape)
     mean = force.mean(axis=-3)
     swing = np.linalg.norm(force - mean[..., None, :, :], axis=-1).max(-2)
     far = np.sqrt((x**2).sum(-1).max(-2))
@@ -296,9 +332,12 @@ def at_places(values: FloatArray, place: FloatArray, cases: IntArray | None = No
     """
     last = len(values) - 1
     of = np.arange(values.shape[1]) if cases is None else cases
-    low = np.clip(np.floor(np.nan_to_num(place)), 0, max(last - 1, 0)).astype(int)
-    share = np.nan_to_num(place) - low
+    place = np.where(np.isnan(place), 0.0, place)
+    low = np.minimum(place.astype(int), max(last - 1, 0))
+    share = place - low
     share = share.reshape(*share.shape, *(1,) * (values.ndim - 2))
+    if not share.any():
+        return values[low, of]
     return (1 - share) * values[low, of] + share * values[np.minimum(low + 1, last), of]
 
 
@@ -308,153 +347,207 @@ def all_motions(line: StoppedLine) -> StoppedMotion:
     A stop that is met now and then stiffens a line: its large motions begin at low speeds. Of
     one that leaves its stop now and then they begin at high ones.
     """
-    up = followed_motion(line)
     mean = line.free[..., 0, :]
     far = np.linalg.norm(mean.reshape(*mean.shape[:-1], -1, 2), axis=-1)
     rests = np.flatnonzero((far > line.stop).any(axis=(0, -1)))
+    cases = line.free.shape[1]
     if not len(rests):
-        return up
-    down = followed_motion(line.select_cases(rests), backwards=True)
-    place = np.full((len(down.place), up.place.shape[1]), np.nan)
-    travel = np.zeros((len(down.place), *up.travel.shape[1:]))
-    place[:, rests], travel[:, rests] = down.place, down.travel
+        return followed_motion(line)
+    every = np.concatenate([np.arange(cases), rests])
+    both = followed_motion(line.select_cases(every), backwards=np.arange(len(every)) >= cases)
+    place = np.full((len(both.place), cases), np.nan)
+    travel = np.zeros((*place.shape, *both.travel.shape[2:]))
+    place[:, rests], travel[:, rests] = both.place[:, cases:], both.travel[:, cases:]
     return StoppedMotion(
-        place=np.concatenate([up.place, place]), travel=np.concatenate([up.travel, travel])
+        place=np.concatenate([both.place[:, :cases], place]),
+        travel=np.concatenate([both.travel[:, :cases], travel]),
     )
 
 
-def followed_motion(line: StoppedLine, *, backwards: bool = False) -> StoppedMotion:
+def followed_motion(line: StoppedLine, *, backwards: BoolArray | bool = False) -> StoppedMotion:
     """Return how lines with stops move, followed from the first speed to the last.
 
-    Or from the last to the first. On from a large motion it stays large, as far as there is one:
-    steps are halved where it turns back, and at `_LEAST_STEP` it is lost, and falls to the next
-    one that is found from linear rubber.
+    Or from the last to the first, of cases (C,) that are followed `backwards`. On from a large
+    motion it stays large, as far as there is one: steps are halved where it turns back, and at
+    `_LEAST_STEP` it is lost, and falls to the next one that is found from linear rubber, by ever
+    stiffer stops. Newton's steps of all cases are taken in one batch, each case at its own place.
     """
     count, cases = line.free.shape[:2]
-    sense = -1.0 if backwards else 1.0
-    place = np.full(cases, count - 1.0 if backwards else 0.0)
-    end = 0.0 if backwards else count - 1.0
-    travel, ok = _begun_at(line, place, np.arange(cases))
-    places, travels = [np.where(ok, place, np.nan)], [travel]
-    before, step, slope = travel.copy(), np.ones(cases), np.zeros_like(travel)
-    is_lost = ~ok
-    while len(places) < _MOST_STEPS:
-        some = np.flatnonzero(sense * (end - place) > 1e-9)
-        if not len(some):
-            break
-        ahead = sense * place[some]  # no step passes a speed of the grid: crests are among them
-        h = np.minimum(step[some], np.floor(ahead + 1e-9) + 1 - ahead)
-        there = place[some] + sense * h
-        lost = is_lost[some]
-        guess = before[some] + h[:, None, None] * slope[some]
-        found, ok = _solved_at(line, there, some, guess)
-        away = np.abs(found - guess).max((1, 2)) > _LARGEST_JUMP * line.stop[some].min(-1)
+    sense = np.where(backwards, -1.0, np.ones(cases))
+    end = np.where(sense < 0, 0.0, count - 1.0)
+    place = np.where(sense < 0, float(count), -1.0)  # one before the first
+    there, h, step = place.copy(), np.ones(cases), np.ones(cases)
+    before, slope = at_places(line.free, place + sense), np.zeros_like(line.free[0])
+    is_lost, is_first = (np.ones(cases, dtype=bool) for _ in range(2))
+    stage = np.zeros(cases, dtype=int)  # of `_STIFFENING`; after the last it is followed
+    begun = before.copy()
+    under_way = _NewtonSolution.of(line)
+    told: list[tuple[IntArray, FloatArray, FloatArray]] = []
+    fresh = np.arange(cases)
+    for _ in range(_MOST_STEPS):
+        ahead = sense[fresh] * place[fresh]  # no step passes a speed of the grid: crests are there
+        h[fresh] = np.minimum(step[fresh], np.floor(ahead + 1e-9) + 1 - ahead)
+        there[fresh] = place[fresh] + sense[fresh] * h[fresh]
+        begins = (stage[fresh] < _FOLLOWED)[:, None, None]
+        guess = np.where(begins, begun[fresh], before[fresh] + h[fresh, None, None] * slope[fresh])
+        under_way.begin(fresh, there[fresh], guess, share=_SHARES[stage[fresh]])
+        some, found, ok = under_way.advance()
+        lost, begins = is_lost[some], stage[some] < _FOLLOWED
+        away = np.abs(found - under_way.guess[some]).max((1, 2)) > under_way.largest_jump[some]
         ok &= lost | ~away
-        if (begun := lost & ~ok).any():
-            found[begun], ok[begun] = _begun_at(line, there[begun], some[begun])
+        # What is lost and not found on from where it was begins from linear rubber.
+        stage[some[begins]] += 1
+        begun[some[begins]] = found[begins]
+        again = lost & ~ok & ~begins
+        stage[some[again]] = 0
+        begun[some[again]] = at_places(line.free, there[some[again]], some[again])
+        rest = some[again | (stage[some] < _FOLLOWED)]
+        ended = ~again & (stage[some] == _FOLLOWED)
+        some, found, ok, lost = (v[ended] for v in (some, found, ok, lost))
         # Where it turns back: once more from there at the next place, then from linear rubber.
-        short = ~ok & ~lost & (h > _LEAST_STEP)
-        step[some] = np.where(short, h / 2, np.where(ok & ~lost, np.minimum(2 * h, 1.0), 1.0))
-        straight = (ok & ~lost)[:, None, None]
-        slope[some] = np.where(
-            short[:, None, None],
-            slope[some],
-            np.where(straight, (found - before[some]) / h[:, None, None], 0.0),
-        )
-        good, on = some[ok], some[~short]
-        before[good], place[on] = found[ok], there[~short]
+        went = h[some]
+        short = ~ok & ~lost & (went > _LEAST_STEP)
+        straight = ok & ~lost
+        step[some] = np.where(short, went / 2, np.where(straight, np.minimum(2 * went, 1.0), 1.0))
+        bent = np.where(straight[:, None, None], (found - before[some]) / went[:, None, None], 0.0)
+        slope[some] = np.where(short[:, None, None], slope[some], bent)
+        known, on = ok | is_first[some], some[~short]
+        before[some[known]], place[on] = found[known], there[on]
+        is_first[some] = False
         is_lost[on] = ~ok[~short]
-        at, of = np.full(cases, np.nan), before.copy()
-        at[good] = there[ok]
-        places.append(at)
-        travels.append(of)
-    return StoppedMotion(place=np.stack(places), travel=np.stack(travels))
+        told.append((some[ok], there[some[ok]], found[ok]))
+        fresh = np.concatenate([rest, some[sense[some] * (end[some] - place[some]) > 1e-9]])
+        if not (len(fresh) or under_way.is_busy.any()):
+            break
+    return _by_case(told, cases)
 
 
-def _begun_at(line: StoppedLine, place: FloatArray, some: IntArray) -> tuple[FloatArray, BoolArray]:
-    """Return motions of `some` cases at places from linear rubber on, by ever stiffer stops."""
-    guess = at_places(line.free, place, some)
-    ok = np.ones(len(some), dtype=bool)
-    for share in _STIFFENING:
-        guess, ok = _solved_at(line, place, some, guess, share=share)
-    return guess, ok
+def _by_case(told: list[tuple[IntArray, FloatArray, FloatArray]], cases: int) -> StoppedMotion:
+    """Return motions that were found one after another, cases with their places and travel."""
+    case, place, travel = (np.concatenate(v) for v in zip(*told, strict=True))
+    order = np.argsort(case, kind="stable")
+    counts = np.bincount(case, minlength=cases)
+    row = np.empty_like(case)
+    row[order] = np.arange(len(case)) - np.repeat(np.cumsum(counts) - counts, counts)
+    places = np.full((int(counts.max()), cases), np.nan)
+    travels = np.zeros((*places.shape, *travel.shape[1:]))
+    places[row, case], travels[row, case] = place, travel
+    return StoppedMotion(place=places, travel=travels)
 
 
-def _solved_at(
-    line: StoppedLine, place: FloatArray, some: IntArray, guess: FloatArray, *, share: float = 1.0
-) -> tuple[FloatArray, BoolArray]:
-    """Return the motions of `some` cases at places, (C', M, 2B), and whether there is one.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _NewtonSolution:
+    """Solutions of X = X₀ - C F(X) of cases, each as far as its Newton's method is.
 
-    With their ratio of stiffness to the power of `share`.
+    Attributes
+    ----------
+    X, free, guess : (C, M, 2 B) m
+        As far as found, on linear rubber, and where it began.
+    moves : (C, M 2B, M 2B) m/N
+    ratio : (C, B)
+    steps : (C,)
+    is_busy, is_linear : (C,)
+        Whether a case is being solved; whether its rubber meets no stop.
+    least, largest_jump : (C,) m
+        Residual at which it ends, and how far from a guess it may be.
     """
-    free = at_places(line.free, place, some)
-    stop = line.stop[some]
-    found, ok = free.copy(), np.ones(len(some), dtype=bool)
-    on = np.flatnonzero(_reaches(free, stop) | _reaches(guess, stop))
-    if len(on):
-        X, ok[on] = _newton(
-            guess[on].reshape(len(on), -1),
-            free[on].reshape(len(on), -1),
-            at_places(line.receptance, place[on], some[on]),
-            line.stiffness[some[on]], stop[on], line.ratio[some[on]] ** share,
-            bearings=stop.shape[-1],
+
+    line: StoppedLine
+    X: FloatArray
+    free: FloatArray
+    guess: FloatArray
+    moves: FloatArray
+    ratio: FloatArray
+    steps: IntArray
+    is_busy: BoolArray
+    is_linear: BoolArray
+    least: FloatArray
+    largest_jump: FloatArray
+
+    @classmethod
+    def of(cls, line: StoppedLine) -> "_NewtonSolution":
+        """Return that of no case."""
+        cases = line.free.shape[1]
+        nearest = line.stop.min(-1)
+        return cls(
+            line=line,
+            **{name: np.zeros_like(line.free[0]) for name in ("X", "free", "guess")},
+            moves=np.zeros_like(line.receptance[0]), ratio=line.ratio.copy(),
+            steps=np.zeros(cases, dtype=int),
+            **{name: np.zeros(cases, dtype=bool) for name in ("is_busy", "is_linear")},
+            least=_RESIDUAL_SHARE * nearest, largest_jump=_LARGEST_JUMP * nearest,
         )  # fmt: skip
-        found[on] = X.reshape(len(on), *free.shape[1:])
-    return found, ok
+
+    def begin(
+        self, some: IntArray, place: FloatArray, guess: FloatArray, *, share: FloatArray
+    ) -> None:
+        """Begin `some` cases at places, with their ratio of stiffness to the power of `share`."""
+        if not len(some):
+            return
+        line, stop = self.line, self.line.stop[some]
+        free = at_places(line.free, place, some)
+        beyond = _reaches(guess, stop)
+        beyond[~beyond] = _reaches(free[~beyond], stop[~beyond])
+        self.X[some] = np.where(beyond[:, None, None], guess, free)
+        self.free[some], self.guess[some] = free, guess
+        self.steps[some], self.is_busy[some], self.is_linear[some] = 0, True, ~beyond
+        on = some[beyond]
+        self.moves[on] = at_places(line.receptance, place[beyond], on)
+        self.ratio[on] = line.ratio[on] ** share[beyond, None]
+
+    def advance(self) -> tuple[IntArray, FloatArray, BoolArray]:
+        """Take steps until half of the cases end; return these, X, and whether it is a motion.
+
+        It is none where Newton's method does not end, or at an unstable one.
+        """
+        linear = np.flatnonzero(self.is_busy & self.is_linear)
+        some = np.flatnonzero(self.is_busy & ~self.is_linear)
+        ended, ok = [linear], [np.ones(len(linear), dtype=bool)]
+        enough = (len(some) + 1) // 2
+        while len(some) and len(some) >= enough:
+            left, matrix = self._pushed(some)
+            done = np.abs(left).max(-1) <= self.least[some]
+            if done.any():
+                ended.append(some[done])
+                ok.append(np.linalg.slogdet(matrix[done])[0] > 0)
+                some, left, matrix = some[~done], left[~done], matrix[~done]
+            moved = np.linalg.solve(matrix, left[..., None])
+            self.X[some] -= moved.reshape(len(some), *self.X.shape[1:])
+            self.steps[some] += 1
+            failed = self.steps[some] == _ITERATIONS
+            if failed.any():
+                ended.append(some[failed])
+                ok.append(np.zeros(len(ended[-1]), dtype=bool))
+                some = some[~failed]
+        every = np.concatenate(ended)
+        self.is_busy[every] = False
+        return every, self.X[every], np.concatenate(ok)
+
+    def _pushed(self, some: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return the residual (C', M 2B) of some cases, and Newton's matrix."""
+        X, moves = self.X[some], self.moves[some]
+        count, _, size = X.shape
+        unknown, bearings = _COMPONENTS * size, size // 2
+        at = StopContact.of(
+            round_the_half_turn(X), stiffness=self.line.stiffness[some],
+            stop=self.line.stop[some], ratio=self.ratio[some],
+        )  # fmt: skip
+        F = _PROJECTION @ at.force
+        slope = at.slope.reshape(count, SAMPLES, -1)
+        D = (_PAIRS @ slope).reshape(count, _COMPONENTS, _COMPONENTS, 3, bearings)
+        J = np.zeros((count, _COMPONENTS, bearings, 2, _COMPONENTS, bearings, 2))
+        for b in range(bearings):
+            J[:, :, b, 0, :, b, 0], J[:, :, b, 1, :, b, 1] = D[..., 0, b], D[..., 1, b]
+            J[:, :, b, 0, :, b, 1] = J[:, :, b, 1, :, b, 0] = D[..., 2, b]
+        left = (X - self.free[some]).reshape(count, unknown)
+        left += (moves @ F.reshape(count, unknown, 1))[..., 0]
+        matrix = moves @ J.reshape(count, unknown, unknown)
+        matrix += np.eye(unknown)
+        return left, matrix
 
 
 def _reaches(travel: FloatArray, stop: FloatArray) -> BoolArray:
     """Return whether a motion (C, M, 2 B) reaches a stop (C, B), in its largest sum at least."""
     x = round_the_half_turn(travel)
-    far = (x.reshape(*x.shape[:-1], -1, 2) ** 2).sum(-1).max(-2)
+    far = (x[..., 0::2] ** 2 + x[..., 1::2] ** 2).max(-2, initial=0.0)
     return (far > stop**2).any(-1)
-
-
-def _newton(
-    start: FloatArray,
-    free: FloatArray,
-    moves: FloatArray,
-    stiffness: FloatArray,
-    stop: FloatArray,
-    ratio: FloatArray,
-    *,
-    bearings: int,
-) -> tuple[FloatArray, BoolArray]:
-    """Return X (C, M 2B) of X = X₀ - C F(X), and whether it is found and stable."""
-    cases, unknown = start.shape
-    size = 2 * bearings
-    one = np.eye(unknown)
-    least = _RESIDUAL_SHARE * np.where(np.isfinite(stop), stop, np.inf).min(-1)
-
-    def pushed(X: FloatArray, some: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return the residual and Newton's matrix."""
-        count = len(X)
-        x = round_the_half_turn(X.reshape(count, _COMPONENTS, size))
-        force, slope = stop_forces(
-            x.reshape(count, SAMPLES, bearings, 2),
-            stiffness=stiffness[some], stop=stop[some], ratio=ratio[some],
-        )  # fmt: skip
-        F = (_PROJECTION @ force.reshape(count, SAMPLES, size)).reshape(count, unknown)
-        flat = slope.reshape(count, SAMPLES, bearings * 4)
-        D = (_PAIRS @ flat).reshape(count, _COMPONENTS, _COMPONENTS, bearings, 2, 2)
-        J = np.zeros((count, _COMPONENTS, bearings, 2, _COMPONENTS, bearings, 2))
-        for b in range(bearings):
-            J[:, :, b, :, :, b, :] = D[:, :, :, b].transpose(0, 1, 3, 2, 4)
-        left = X - free[some] + (moves[some] @ F[..., None])[..., 0]
-        return left, one + moves[some] @ J.reshape(count, unknown, unknown)
-
-    X, ok = start.copy(), np.zeros(cases, dtype=bool)
-    some = np.arange(cases)
-    left, matrix = pushed(X, some)
-    for _ in range(_ITERATIONS):
-        size_now = np.abs(left).max(-1)
-        done = size_now <= least[some]
-        if done.any():
-            here = np.linalg.slogdet(matrix[done])[0] > 0
-            ok[some[done]] = here
-            some, left, matrix, size_now = some[~done], left[~done], matrix[~done], size_now[~done]
-            if not len(some):
-                break
-        X[some] -= np.linalg.solve(matrix, left[..., None])[..., 0]
-        left, matrix = pushed(X[some], some)
-    return X, ok
