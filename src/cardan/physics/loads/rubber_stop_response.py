@@ -243,9 +243,10 @@ def stop_receptance(
     found[..., :5, :, :5, :] = moved.reshape(*cases, 5, size, 5, size)
     for at, order in _PLACES_OF_ORDERS:  # of what is lost, order by order: times 1 + i η m/2
         lost = order / 2 * loss[..., None, None, :]
-        real, imaginary = found[..., at, :].copy(), found[..., at + 1, :].copy()
-        found[..., at, :] = real + lost * imaginary
-        found[..., at + 1, :] = imaginary - lost * real
+        among = slice(0, 5) if order <= _LAST_TIED_ORDER else slice(at, at + 2)
+        real, imaginary = found[..., among, :, at, :].copy(), found[..., among, :, at + 1, :].copy()
+        found[..., among, :, at, :] = real + lost * imaginary
+        found[..., among, :, at + 1, :] = imaginary - lost * real
     return found.reshape(*cases, _COMPONENTS * size, _COMPONENTS * size)
 
 
@@ -305,8 +306,9 @@ def forces_at_stop(
     x = x.reshape(*lead, -1, bearings, 2)
     force[..., :2] += pushed.reshape(x.shape)
     mean = force.mean(axis=-3)
-    swing = np.linalg.norm(force - mean[..., None, :, :], axis=-1).max(-2)
-    far = np.sqrt((x**2).sum(-1).max(-2))
+    force -= mean[..., None, :, :]
+    swing = np.sqrt((force[..., 0] ** 2 + force[..., 1] ** 2 + force[..., 2] ** 2).max(-2))
+    far = np.sqrt((x[..., 0] ** 2 + x[..., 1] ** 2).max(-2))
     return ForcesAtStop(static=np.linalg.norm(mean, axis=-1), dynamic=swing, travel=far)
 
 

@@ -6,12 +6,12 @@ from scipy.integrate import solve_ivp
 
 from cardan.physics.loads.rubber_stop_response import (
     STOP_ORDERS,
+    StopContact,
     StoppedLine,
     all_motions,
     components,
     followed_motion,
     forces_at_stop,
-    stop_forces,
 )
 
 STIFFNESS, LOSS, STOP = 200e3, 0.1, 15e-3
@@ -157,24 +157,46 @@ def test_motion_within_stop_is_that_of_linear_rubber():
 def test_stop_force_is_the_slope_of_its_energy():
     """(r - 1) k gap²/2 with k the rubber's stiffness that way; its own slope by differences."""
     rng = np.random.default_rng(3)
-    x = rng.normal(size=(1, 60, 1, 2)) * 0.02
+    x = rng.normal(size=(1, 60, 2)) * 0.02
     given = {
         "stiffness": np.array([[[200e3, 120e3]]]), "stop": np.array([[STOP]]),
         "ratio": np.array([[7.0]]),
     }  # fmt: skip
-    force, slope = stop_forces(x, **given)
+    at = StopContact.of(x, **given)
+
+    def force(x):
+        return StopContact.of(x, **given).force
 
     def energy(x):
         far = np.linalg.norm(x, axis=-1)
-        k = (given["stiffness"] * x**2).sum(-1) / far**2
+        k = (given["stiffness"][:, 0] * x**2).sum(-1) / far**2
         return 6 * k * np.maximum(far - STOP, 0) ** 2 / 2
 
     h = 1e-7
     steps = [np.array([h, 0.0]), np.array([0.0, h])]
     by_energy = np.stack([(energy(x + d) - energy(x - d)) / (2 * h) for d in steps], axis=-1)
-    by_force = np.stack([
-        (stop_forces(x + d, **given)[0] - stop_forces(x - d, **given)[0]) / (2 * h) for d in steps
-    ], axis=-1)  # fmt: skip
-    assert force == pytest.approx(by_energy, rel=1e-5, abs=1e-2)
-    assert slope == pytest.approx(by_force, rel=1e-5, abs=10)
-    assert (force[np.linalg.norm(x, axis=-1) <= STOP] == 0).all()
+    by_force = [(force(x + d) - force(x - d)) / (2 * h) for d in steps]
+    slope = np.stack([by_force[0][..., 0], by_force[1][..., 1], by_force[0][..., 1]], axis=-1)
+    assert at.force == pytest.approx(by_energy, rel=1e-5, abs=1e-2)
+    assert at.slope[..., 0] == pytest.approx(slope, rel=1e-5, abs=10)
+    assert by_force[1][..., 0] == pytest.approx(by_force[0][..., 1], rel=1e-5, abs=10)
+    assert (at.force[np.linalg.norm(x, axis=-1) <= STOP] == 0).all()
+
+
+def test_motions_of_several_lines_are_those_of_each_by_itself():
+    """Cases are solved in one batch, each at its own speed: none changes another."""
+    each = [one_mass(ratio, steady=s) for ratio, s in ((5.0, STEADY), (20.0, 3300.0), (9.0, 0.0))]
+    together = StoppedLine(
+        free=np.concatenate([line.free for line in each], axis=1),
+        receptance=np.concatenate([line.receptance for line in each], axis=1),
+        stiffness=np.concatenate([line.stiffness for line in each]),
+        stop=np.concatenate([line.stop for line in each]),
+        ratio=np.concatenate([line.ratio for line in each]),
+    )
+    motion = all_motions(together)
+    for k, line in enumerate(each):
+        alone = all_motions(line)
+        batch, own = (~np.isnan(m.place[:, c]) for m, c in ((motion, k), (alone, 0)))
+        assert own.sum() >= len(FREQUENCIES) - 5
+        assert motion.place[batch, k] == pytest.approx(alone.place[own, 0], abs=1e-9)
+        assert motion.travel[batch, k] == pytest.approx(alone.travel[own, 0], abs=1e-6 * STOP)
