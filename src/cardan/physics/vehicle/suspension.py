@@ -10,9 +10,11 @@ from math import nan
 import numpy as np
 
 from cardan.core.arrays import ArrayLike, BoolArray, FloatArray, stack_on_last_axis
+from cardan.core.compiled import is_compiled_batch
 from cardan.core.errors import DesignError, values_of_first_violating_case
 from cardan.core.units import g, inch, mm
 from cardan.model.vehicle import Linkage, Spring, Suspension, SuspensionState
+from cardan.physics.vehicle.compiled_squat import SquatKernel, squat_kernel
 
 COMFORT_FREQUENCY_RANGE_HZ = (1.0, 1.3)
 """Natural frequencies people bear best, Hz. Source: Souza (2014), 2.3, after SAE AE-11."""
@@ -261,12 +263,50 @@ def squat_travel(
     if stop is not None:
         past = (there > stop) & (suspension.jounce_deflection is None)
         highest = np.where(past, np.inf, np.maximum(stop - there, 0.0))
-    gone = np.zeros(np.broadcast_shapes(z0.shape, start.shape, *map(np.shape, (moved, pulls))))
+    shape = np.broadcast_shapes(z0.shape, start.shape, *map(np.shape, (moved, pulls, turns)))
+    kernel = squat_kernel() if is_compiled_batch(shape[-2:]) and _is_one_link(suspension) else None
+    if kernel is not None:
+        turned = ahead * turns * suspension.linkage.pitch_rate
+        rows = z0, borne + (moved + turned) / each, pulls / each, start, lowest, highest
+        return _squat_by_loop(kernel, suspension, rows, shape)
+    gone = np.zeros(shape)
     for _ in range(SQUAT_ITERATIONS):
         dx, pitch = _path_slopes(suspension.linkage, z0 + gone)
         pushed = moved - pulls * dx + ahead * turns * pitch
         there = spring_deflection(suspension.spring, borne + pushed / each)
         gone = np.clip(there - start, lowest, highest)
+    return gone
+
+
+def _is_one_link(suspension: Suspension) -> bool:
+    """Return whether an axle's path is that of a link, and it and the spring are of all cases."""
+    link, spring = suspension.linkage, suspension.spring
+    numbers = (link.radius or 0.0, link.angle, link.pitch_rate, *spring.load, *spring.deflection)
+    return not link.travel and all(np.ndim(v) == 0 for v in numbers)
+
+
+def _squat_by_loop(
+    kernel: SquatKernel,
+    suspension: Suspension,
+    rows: tuple[FloatArray, ...],
+    shape: tuple[int, ...],
+) -> FloatArray:
+    """Return `squat_travel` (...) m of a compiled loop, of rows as it has them, of a `shape`."""
+    link, spring = suspension.linkage, suspension.spring
+    cases = np.empty((len(rows), *shape))
+    for into, values in zip(cases, rows, strict=True):
+        into[...] = values
+    load, deflection = np.array(spring.load, float), np.array(spring.deflection, float)
+    begins, count = np.diff(load), len(load) - 1
+    least, most = np.zeros(count), begins.copy()
+    least[0], most[-1] = -np.inf, np.inf  # outer slopes go on
+    lines = np.stack([load[:-1], np.diff(deflection) / begins, least, most])
+    sine, inverse = (0.0, 0.0) if link.radius is None else (np.sin(link.angle), 1 / link.radius)
+    gone = np.empty(shape)
+    kernel(
+        cases.reshape(len(rows), -1), lines, np.array([sine, inverse, deflection[0]]),
+        SQUAT_ITERATIONS, gone.reshape(-1),
+    )  # fmt: skip
     return gone
 
 
