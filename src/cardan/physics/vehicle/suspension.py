@@ -264,7 +264,9 @@ def squat_travel(
         past = (there > stop) & (suspension.jounce_deflection is None)
         highest = np.where(past, np.inf, np.maximum(stop - there, 0.0))
     shape = np.broadcast_shapes(z0.shape, start.shape, *map(np.shape, (moved, pulls, turns)))
-    kernel = squat_kernel() if is_compiled_batch(shape[-2:]) and _is_one_link(suspension) else None
+    # Of points, variants and states: points of one design are too few to load a compiler for.
+    many = len(shape) > 2 and is_compiled_batch(shape[-2:]) and _is_one_link(suspension)
+    kernel = squat_kernel() if many else None
     if kernel is not None:
         turned = ahead * turns * suspension.linkage.pitch_rate
         rows = z0, borne + (moved + turned) / each, pulls / each, start, lowest, highest
