@@ -24,9 +24,11 @@ from cardan.core.arrays import (
     collapse_broadcast_axes,
     stack_on_last_axis,
 )
+from cardan.core.compiled import is_compiled_batch
 from cardan.core.labels import OperatingPoint
 from cardan.core.lazy_dataclass import dataclass
 from cardan.physics.vehicle.axle_motion import AxleMotion
+from cardan.physics.vehicle.compiled_torque import TorqueKernel, torque_kernel
 from cardan.physics.vehicle.resolved_line import LineWithResolvedReferences
 from cardan.physics.vehicle.state_demand import (
     LineStateDemand,
@@ -224,9 +226,15 @@ def operating_points_on_curves(
         curve.reshape(*curve.shape, *(1,) * (speed.ndim - curve.ndim)), speed.shape
     )
 
-    here = curve, *broadcastable_axis_indices(curve.shape)[1:]
     each = (found.speed, found.torque, found.torque_limit, found.max_speed)
-    torque = _torque(speed, *(_taken(v, here) for v in each))
+    # Of points, variants and states: points of one design are too few to load a compiler for.
+    many = speed.ndim == 3 and is_compiled_batch(speed.shape[1:])
+    kernel = torque_kernel() if many else None
+    if kernel is None:
+        here = curve, *broadcastable_axis_indices(curve.shape)[1:]
+        torque = _torque(speed, *(_taken(v, here) for v in each))
+    else:
+        torque = _torque_by_loop(kernel, curve, speed, each)
     speed = np.where(np.isnan(torque), np.nan, speed)
     return LineOperatingPoints(curves=found, curve_index=curve, speed=speed, torque=torque)
 
@@ -287,6 +295,26 @@ def _torque(
             there = there + np.where(x >= start, jump, 0.0)
     held = np.copysign(np.minimum(np.abs(there), most), there)
     return np.where((x >= 0) & (x <= fastest), held, np.nan)
+
+
+def _torque_by_loop(
+    kernel: TorqueKernel, curve: IntArray, x: FloatArray, each: tuple[FloatArray, ...]
+) -> FloatArray:
+    """Return `_torque` of a compiled loop at points (P, V, S): of curves, not of their corners."""
+
+    def table(values: FloatArray, own: int) -> FloatArray:
+        """Return a number of each curve, variant and state, or 1 where all have one, and corner."""
+        cases = values.strides[1 : values.ndim - own]
+        first = tuple(slice(None) if step else slice(1) for step in cases)
+        values = np.ascontiguousarray(values[:, *first])
+        return values.reshape(len(values), *(1,) * (2 - len(cases)), *values.shape[1:])
+
+    found = np.empty(x.shape)
+    kernel(
+        *(np.ascontiguousarray(v) for v in (curve, x)), *(table(v, 1) for v in each[:2]),
+        *(table(v, 0) for v in each[2:]), found,
+    )  # fmt: skip
+    return found
 
 
 def _taken(values: FloatArray, here: tuple[IntArray, ...]) -> FloatArray:
