@@ -17,6 +17,8 @@ from math import ceil, pi
 from operator import add
 from typing import Any
 
+import numpy as np
+
 from cardan.core.arrays import (
     ArrayLike,
     ComplexArray,
@@ -24,8 +26,10 @@ from cardan.core.arrays import (
     array_library_and_floats,
     array_namespace,
 )
+from cardan.core.compiled import is_compiled_batch
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.units import deg, rpm
+from cardan.physics.kinematics.compiled_excitation import CrestKernel, crest_kernel
 from cardan.physics.kinematics.hooke_joint import irregularity, max_acceleration
 from cardan.physics.kinematics.joint_chain import ChainRotation
 
@@ -410,14 +414,17 @@ def _largest_sum(phasors: ComplexArray, weights: FloatArray) -> FloatArray:
 
     E = rows(phasors)
     J = weights[:, None] if weights.ndim == 1 else rows(weights)
+    # Of points, variants and states: points of one design are too few to load a compiler for.
+    many = xp is np and len(cases) > 2 and is_compiled_batch(cases[-2:])
+    kernel = crest_kernel() if many else None
     found = [
-        _crest(E[:, some], J if J.shape[-1] == 1 else J[:, some])
+        _crest(E[:, some], J if J.shape[-1] == 1 else J[:, some], kernel)
         for some in _blocks(E.shape[-1], PEAK_SEARCH_BLOCK_CASES)
     ]
     return xp.reshape(found[0] if len(found) == 1 else xp.concat(found), cases)
 
 
-def _crest(E: Any, J: Any) -> Any:
+def _crest(E: Any, J: Any, kernel: CrestKernel | None) -> Any:
     """Return the largest sums (C,) of phasors (members, C) by weights (members, C or 1).
 
     The sum is -4 Im Σ k c_k z^k, c_k = Σ J E^k. Where the bends of all beyond c₁ are smaller
@@ -428,6 +435,12 @@ def _crest(E: Any, J: Any) -> Any:
     cannot be known beforehand.
     """
     xp = array_namespace(E)
+    if kernel is not None:
+        sums, plain = np.empty(E.shape[1]), np.empty(E.shape[1], dtype=bool)
+        rows = (np.ascontiguousarray(v) for v in (E, J))
+        kernel(*rows, MAX_HIGHER_HARMONIC_SHARE, THREE_HARMONIC_NEWTON_STEPS, sums, plain)
+        if plain.all():
+            return sums
     e2 = _square(E)
     first = _summed(J * E)
     most = xp.sqrt(_square(first))
