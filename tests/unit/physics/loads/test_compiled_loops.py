@@ -6,6 +6,7 @@ import sys
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,16 @@ from repository import EXAMPLES
 from cardan.application import reader
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.core import compiled
+from cardan.model.vehicle import Linkage, Spring, Suspension
+from cardan.physics.kinematics import compiled_excitation
+from cardan.physics.kinematics.equivalent_angle import shaft_inertia_torques
 from cardan.physics.loads import compiled_line_loads, compiled_response
 from cardan.physics.loads.spline_thrust import PLACES_OF_A_STROKE
+from cardan.physics.vehicle import compiled_squat, compiled_torque
+from cardan.physics.vehicle.operating_points import TorqueCurves, operating_points_on_curves
 from cardan.physics.vehicle.resolved_line import resolve_line_references
 from cardan.physics.vehicle.state_demand import line_state_demand
+from cardan.physics.vehicle.suspension import squat_travel
 from cardan.topics.variants.evaluation import (
     VariantEvaluator,
     build_variants,
@@ -114,9 +121,12 @@ def check_example(name: str, *, least: float) -> None:
             assert_alike(bearing_results(by_loops), reference)
 
 
-@pytest.mark.parametrize("name", [ON_RUBBER[0], pytest.param(ON_RUBBER[1], marks=pytest.mark.slow)])
-def test_loops_as_plain_python_equal_numpy(name, monkeypatch):
-    """Run uncompiled: with and without numba the text of each loop computes the same."""
+LOOPS_OF_LOADS = (compiled_line_loads, compiled_response)
+LOOPS_OF_POINTS = (compiled_excitation, compiled_squat, compiled_torque)
+
+
+def run_as_plain_python(monkeypatch, modules: tuple[ModuleType, ...]) -> set[str]:
+    """Have the loops of some modules run uncompiled; return the names of those that ran."""
     called = set[str]()
 
     def plain(function, *_):
@@ -126,13 +136,103 @@ def test_loops_as_plain_python_equal_numpy(name, monkeypatch):
 
         return run
 
-    for module in (compiled_line_loads, compiled_response):
+    for module in modules:
         monkeypatch.setattr(module, "compiled", plain)
+    return called
+
+
+@pytest.mark.parametrize("name", [ON_RUBBER[0], pytest.param(ON_RUBBER[1], marks=pytest.mark.slow)])
+def test_loops_as_plain_python_equal_numpy(name, monkeypatch):
+    """Run uncompiled: with and without numba the text of each loop computes the same."""
+    called = run_as_plain_python(monkeypatch, LOOPS_OF_LOADS)
     check_example(name, least=1)
     assert called == {
         "balanced_motions", "buckling_modes", "held_compressions", "mean_loads", "pair_growths",
         "responses", "screened_sizes",
     }  # fmt: skip
+
+
+SPRING = Spring(load=(0.0, 15e3, 60e3), deflection=(-0.02, 0.08, 0.19))
+LINK = Linkage(radius=0.5, angle=0.06, pitch_rate=0.07)
+
+
+@pytest.mark.parametrize("linkage", [LINK, Linkage(pitch_rate=0.07)], ids=["link", "straight"])
+def test_squat_of_rows_equals_squat_of_arrays(linkage, monkeypatch):
+    """Of 250 axles: at both stops, between them, on both slopes of a spring; one is unknown."""
+    called = run_as_plain_python(monkeypatch, LOOPS_OF_POINTS)
+    rng = np.random.default_rng(7)
+    shape = (2, 25, 5)
+    suspension = Suspension(
+        spring=SPRING, unsprung_mass=600.0, linkage=linkage, full_rebound_deflection=0.02,
+        jounce_deflection=0.15,
+    )  # fmt: skip
+    force = rng.uniform(-60e3, 60e3, shape)
+    force[1, 3, 2] = np.nan
+    given = {
+        "travel": rng.uniform(-0.03, 0.03, shape[1:]), "drawn": 0.3 * force, "force": force,
+        "axle_load": rng.uniform(10e3, 90e3, shape[-1]), "torque": 0.45 * force, "ahead": -1.0,
+    }  # fmt: skip
+    with batches_compiled(None):
+        reference = squat_travel(suspension, **given)
+    assert not called
+    with batches_compiled(1):
+        found = squat_travel(suspension, **given)
+    assert called == {"squat_of_rows"}
+    assert np.isnan(found).sum() == 1
+    assert found == pytest.approx(reference, abs=1e-14, nan_ok=True)
+    assert (np.diff(np.sort(reference.ravel())) == 0).sum() > 5  # some are at a stop
+
+
+def test_torque_of_points_equals_torque_along_curves(monkeypatch):
+    """With jumps, repeated corners, a grip that some variants lack, and speeds off the curves."""
+    called = run_as_plain_python(monkeypatch, LOOPS_OF_POINTS)
+    rng = np.random.default_rng(8)
+    curves, variants, states, corners = 3, 12, 4, 5
+    speed = np.sort(rng.uniform(0, 300, (curves, 1, states, corners)), axis=-1)
+    speed[..., 0], speed[1, ..., 3], speed[2, ..., 4] = 0.0, speed[1, ..., 2], speed[2, ..., 3]
+    speed = np.broadcast_to(speed, (curves, variants, states, corners))
+    torque = rng.uniform(-900, 900, (curves, variants, 1, corners))
+    torque[0, 0, 0, 0] = 0.0
+    limit = np.where(rng.random((curves, variants, states)) < 0.5, np.inf, 400.0)
+    fastest = speed[..., -1].copy()
+    fastest[2, :, 1] = np.nan
+    of = TorqueCurves(
+        gears=("1", "2", "3"), directions=("drive", "drive", "coast"), speed=speed,
+        torque=np.broadcast_to(torque, speed.shape), torque_limit=limit, max_speed=fastest,
+    )  # fmt: skip
+    points = {
+        "curve": rng.integers(0, curves, (9, variants, states)),
+        "speed": rng.uniform(-20, 320, (9, variants, states)),
+    }
+    points["speed"][0] = speed[1, 0, 0, 2]  # where a curve jumps
+    with batches_compiled(None):
+        reference = operating_points_on_curves(of, **points)
+    with batches_compiled(1):
+        found = operating_points_on_curves(of, **points)
+    assert called == {"torque_of_points"}
+    assert 0.1 < np.isnan(reference.torque).mean() < 0.5
+    for name in ("torque", "speed"):
+        expected = getattr(reference, name)
+        assert getattr(found, name) == pytest.approx(expected, rel=1e-12, nan_ok=True)
+
+
+@pytest.mark.parametrize("largest_angle", [0.1, 0.9], ids=["small", "large"])
+def test_crests_case_by_case_equal_crests_of_rows(largest_angle, monkeypatch):
+    """Of three shafts behind joints up to 6 and 52 degrees: these have more than two peaks."""
+    called = run_as_plain_python(monkeypatch, LOOPS_OF_POINTS)
+    rng = np.random.default_rng(9)
+    angles = rng.uniform(0, largest_angle, (2, 20, 6, 4))
+    angles[0, 0, 0] = 0.0  # a straight line
+    phasors = np.tan(angles / 2) ** 2 * np.exp(2j * np.pi * rng.random(angles.shape))
+    turn = SimpleNamespace(phasors=phasors)
+    inertias = rng.uniform(0.01, 0.1, (20, 6, 3))
+    with batches_compiled(None):
+        reference = shaft_inertia_torques(turn, speed=200.0, inertias=inertias)
+    with batches_compiled(1):
+        found = shaft_inertia_torques(turn, speed=200.0, inertias=inertias)
+    assert called == {"plain_crests"}
+    for one, other in zip(found, reference, strict=True):
+        assert one == pytest.approx(other, rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.slow
