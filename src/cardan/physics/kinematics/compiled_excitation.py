@@ -38,12 +38,12 @@ def plain_crests(
         own = min(c, weights.shape[1] - 1)
         first, bent = 0j, 0.0
         for k in range(M):
-            E, J = phasors[k, c], weights[k, own]
-            e2 = E.real * E.real + E.imag * E.imag
+            phasor, weight = phasors[k, c], weights[k, own]
+            e2 = phasor.real * phasor.real + phasor.imag * phasor.imag
             near = 1 - sqrt(e2)
             near *= near
-            first += J * E
-            bent += abs(J) * 8 * e2 / (near * near)
+            first += weight * phasor
+            bent += abs(weight) * 8 * e2 / (near * near)
         most = sqrt(first.real * first.real + first.imag * first.imag)
         plain[c] = bent <= share * most
         if not plain[c]:
@@ -52,9 +52,9 @@ def plain_crests(
         turn = complex(first.imag / size, first.real / size)  # i times its conjugate
         second, third = 0j, 0j
         for k in range(M):
-            x, J = phasors[k, c] * turn, weights[k, own]
-            second += 2 * J * (x * x)
-            third += 3 * J * (x * x * x)
+            x, weight = phasors[k, c] * turn, weights[k, own]
+            second += 2 * weight * (x * x)
+            third += 3 * weight * (x * x * x)
         largest = 0.0
         for side in range(2):
             z = complex(1.0 - 2 * side, 0.0)
@@ -68,13 +68,13 @@ def plain_crests(
                 z = z * complex(abs(bend) / length, slope / length * sign)
             swing, slope, bend = 0.0, 0.0, 0.0
             for k in range(M):
-                J = weights[k, own]
+                weight = weights[k, own]
                 gain = 1 / (1 - phasors[k, c] * turn * z)
                 p = gain - 1
                 g = p * gain
-                swing += J * g.imag
-                slope += J * (g * (gain + p)).real
-                bend += J * (g + 6 * (g * g)).imag
+                swing += weight * g.imag
+                slope += weight * (g * (gain + p)).real
+                bend += weight * (g + 6 * (g * g)).imag
             rise = slope * slope / (2 * (abs(bend) if most > 0 else 1.0))
             largest = max(largest, abs(swing) + rise)
         found[c] = 4 * largest

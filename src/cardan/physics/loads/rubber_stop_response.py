@@ -385,7 +385,7 @@ def followed_motion(line: StoppedLine, *, backwards: BoolArray | bool = False) -
     begun = before.copy()
     under_way = _NewtonSolution.of(line)
     told: list[tuple[IntArray, FloatArray, FloatArray]] = []
-    fresh = np.arange(cases)
+    fresh: IntArray = np.arange(cases)
     for _ in range(_MOST_STEPS):
         ahead = sense[fresh] * place[fresh]  # no step passes a speed of the grid: crests are there
         h[fresh] = np.minimum(step[fresh], np.floor(ahead + 1e-9) + 1 - ahead)
@@ -405,7 +405,7 @@ def followed_motion(line: StoppedLine, *, backwards: BoolArray | bool = False) -
         begun[some[again]] = at_places(line.free, there[some[again]], some[again])
         rest = some[again | (stage[some] < _FOLLOWED)]
         ended = ~again & (stage[some] == _FOLLOWED)
-        some, found, ok, lost = (v[ended] for v in (some, found, ok, lost))
+        some, found, ok, lost = some[ended], found[ended], ok[ended], lost[ended]
         # Where it turns back: once more from there at the next place, then from linear rubber.
         went = h[some]
         short = ~ok & ~lost & (went > _LEAST_STEP)
@@ -431,7 +431,7 @@ def _by_case(told: list[tuple[IntArray, FloatArray, FloatArray]], cases: int) ->
     counts = np.bincount(case, minlength=cases)
     row = np.empty_like(case)
     row[order] = np.arange(len(case)) - np.repeat(np.cumsum(counts) - counts, counts)
-    places = np.full((int(counts.max()), cases), np.nan)
+    places = np.full((max(int(counts.max()), 1), cases), np.nan)
     travels = np.zeros((*places.shape, *travel.shape[1:]))
     places[row, case], travels[row, case] = place, travel
     return StoppedMotion(place=places, travel=travels)

@@ -290,7 +290,7 @@ def _is_one_link(suspension: Suspension) -> bool:
 def _squat_by_loop(
     kernel: SquatKernel,
     suspension: Suspension,
-    rows: tuple[FloatArray, ...],
+    rows: tuple[FloatArray | float, ...],
     shape: tuple[int, ...],
 ) -> FloatArray:
     """Return `squat_travel` (...) m of a compiled loop, of rows as it has them, of a `shape`."""
