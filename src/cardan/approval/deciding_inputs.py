@@ -11,6 +11,7 @@ from cardan.approval.driveline_study import evaluate_limits
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.checks.quantities.registry import LINE_QUANTITIES
 from cardan.core.arrays import FloatArray
+from cardan.core.compiled import without_compiled_loops
 from cardan.core.errors import CardanError
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.verdict import Check
@@ -247,8 +248,9 @@ def _changed_values(
     changes = {key: numbers[key] * column for key, column in zip(shares, columns, strict=True)}
     varied = change(response.application, changes, warn=False)
     installed = next(i for i in varied.lines if i.line.name == check.line)
-    demand = line_state_demand(resolve_line_references(varied, installed))
-    return _worst_values(response, compute_line_response(varied, demand), check, len(shares))
+    with without_compiled_loops():
+        demand = line_state_demand(resolve_line_references(varied, installed))
+        return _worst_values(response, compute_line_response(varied, demand), check, len(shares))
 
 
 def _worst_values(

@@ -1,6 +1,8 @@
 """Loops compiled by numba where it is installed."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from math import prod
 from typing import Any
@@ -12,12 +14,25 @@ A check of one design and its corrections stay below: to import numba costs more
 """
 
 
+_LOOPS_ARE_ALLOWED: ContextVar[bool] = ContextVar("loops_are_allowed", default=True)
+
+
+@contextmanager
+def without_compiled_loops() -> Generator[None, None, None]:
+    """Have batches of any size take the NumPy text: those of a check, which come only once."""
+    before = _LOOPS_ARE_ALLOWED.set(False)
+    try:
+        yield
+    finally:
+        _LOOPS_ARE_ALLOWED.reset(before)
+
+
 def is_compiled_batch(cases: tuple[int, ...], *, points: int = 1) -> bool:
     """Return whether a batch is large enough for loops that numba compiles.
 
     `cases` are variants and states; or `points` of each too, all in one axis.
     """
-    return prod(cases) >= points * COMPILED_MIN_CASES
+    return _LOOPS_ARE_ALLOWED.get() and prod(cases) >= points * COMPILED_MIN_CASES
 
 
 @cache

@@ -283,8 +283,8 @@ def squat_travel(
 def _is_one_link(suspension: Suspension) -> bool:
     """Return whether an axle's path is that of a link, and it and the spring are of all cases."""
     link, spring = suspension.linkage, suspension.spring
-    numbers = (link.radius or 0.0, link.angle, link.pitch_rate, *spring.load, *spring.deflection)
-    return not link.travel and all(np.ndim(v) == 0 for v in numbers)
+    numbers = (link.radius, link.angle, link.pitch_rate, *spring.load, *spring.deflection)
+    return not link.travel and all(v is None or np.ndim(v) == 0 for v in numbers)
 
 
 def _squat_by_loop(

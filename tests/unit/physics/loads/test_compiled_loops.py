@@ -5,7 +5,7 @@ import subprocess
 import sys
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -156,6 +156,21 @@ SPRING = Spring(load=(0.0, 15e3, 60e3), deflection=(-0.02, 0.08, 0.19))
 LINK = Linkage(radius=0.5, angle=0.06, pitch_rate=0.07)
 
 
+def test_links_that_differ_take_no_loop(monkeypatch):
+    """Of a radius, or a spring, for each variant."""
+    called = run_as_plain_python(monkeypatch, LOOPS_OF_POINTS)
+    radius = np.linspace(0.4, 0.6, 25)[:, None]
+    spring = Spring(
+        load=(0.0, np.linspace(14e3, 16e3, 25)[:, None], 60e3), deflection=(0, 0.1, 0.2)
+    )
+    force = np.full((2, 25, 5), 20e3)
+    given = {"travel": 0.0, "axle_load": 40e3, "drawn": 0.0, "force": force, "torque": 9e3}
+    with batches_compiled(1):
+        for link, leaf in ((replace(LINK, radius=radius), SPRING), (LINK, spring)):
+            squat_travel(Suspension(spring=leaf, unsprung_mass=600.0, linkage=link), **given)
+    assert not called
+
+
 @pytest.mark.parametrize("linkage", [LINK, Linkage(pitch_rate=0.07)], ids=["link", "straight"])
 def test_squat_of_rows_equals_squat_of_arrays(linkage, monkeypatch):
     """Of 250 axles: at both stops, between them, on both slopes of a spring; one is unknown."""
@@ -265,11 +280,14 @@ def test_random_applications_come_to_the_same_compiled(name):
 
 
 def test_check_of_one_design_imports_no_numba():
+    """Nor where a hundred numbers are varied one by one, as those of the van and the pick-up."""
+    names = [str(EXAMPLES / f"{n}.yaml") for n in ("medium-truck-4x2", "van", "pick-up-4x4")]
     code = (
         "import sys; from cardan.cli import cli\n"
-        f"try: cli(['check', {str(EXAMPLES / 'medium-truck-4x2.yaml')!r}])\n"
-        "except SystemExit as end: assert end.code in (0, 1)\n"
-        "assert 'numba' not in sys.modules"
+        f"for name in {names!r}:\n"
+        "    try: cli(['check', name])\n"
+        "    except SystemExit as end: assert end.code in (0, 1), name\n"
+        "    assert 'numba' not in sys.modules, name"
     )
     subprocess.run([sys.executable, "-c", code], check=True, stdout=subprocess.DEVNULL)
 
