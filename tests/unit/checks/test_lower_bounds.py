@@ -81,6 +81,18 @@ def test_variant_with_lower_bound_is_not_counted_as_buildable():
     assert "Not shown to pass: 50.0 % do not fail" in str(found)
 
 
+def test_margins_of_failing_variants_beyond_stop_are_marked_as_upper_bounds():
+    """The check of one design solves the stop and finds more; the study says that it does not."""
+    app = reader.loads(text(BEYOND).replace("normal: 1e5, maximum: 1e6", "maximum: 1000"))
+    found = cardan.study(app, {"torque_Nm": {"grid": [BEYOND, BEYOND + 1, 2]}}, n=2)
+    (limit,) = found.to_dict()["limits"]
+    assert limit["lower_bounds"] == 1.0
+    assert found.shares["fail"] == 1.0
+    (solved,) = (c for c in approve_driveline(app).checks if c.margin < 0)
+    assert solved.margin < 1.1 * limit["smallest_margin"]
+    assert "≤ upper bound of a margin: in 100.0 %" in str(found)
+
+
 @pytest.fixture
 def unsolved(monkeypatch):
     """Let no line be solved with its stop: forces there are lower bounds."""

@@ -143,6 +143,12 @@ def yield_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterat
 
 def doubt_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[str]:
     """Yield what limits the trust in the results, and how they were obtained."""
+    if not of.variants.ask.yield_only and (most := of.lower_bound_shares.max(initial=0.0)):
+        yield say(
+            "≤ upper bound of a margin: in {share} of the variants rubber goes beyond its stop, and "
+            "forces are lower bounds; `cardan check` of one design solves them.",
+            share=percent_text(float(most), say),
+        )
     if of.sampling_plan.method == "even":
         yield say(
             "The points are spread evenly, so the interval is wider than need be; give "
@@ -351,13 +357,23 @@ def limit_label(of: VariantStudyResult, k: int, say: Translator) -> str:
     return say.join(line if several else "", limit_name(limit, say))
 
 
+def limit_margins(of: VariantStudyResult, k: int) -> tuple[float, float]:
+    """Return the smallest and the median margin to a limit."""
+    values, column = of.statistics["values"], len(of.limits) + k
+    return float(values["least"][column]), quantile(values, column, 0.5)
+
+
+def bound_mark(of: VariantStudyResult, k: int) -> str:
+    """Return the mark of margins to a limit that are upper bounds, because values are lower ones."""
+    return "≤ " if of.lower_bound_shares[k] else ""
+
+
 def _limits(of: VariantStudyResult, say: Translator) -> Table:
     counts, values, asked = (
         of.statistics["counts"],
         of.statistics["values"],
         of.variants.ask.quantiles,
     )
-    number = len(of.limits)
     grades = counts["grades"] / of.independent_count
 
     def row(k: int) -> tuple[str, ...]:
@@ -366,8 +382,7 @@ def _limits(of: VariantStudyResult, say: Translator) -> Table:
             limit_label(of, k, say),
             *(percent_text(grades[k, g], say) for g in range(3)),
             percent_text(counts["alone"][k] / of.independent_count, say),
-            say.margin_percent(float(values["least"][number + k])),
-            say.margin_percent(quantile(values, number + k, 0.5)),
+            *(bound_mark(of, k) + say.margin_percent(m) for m in limit_margins(of, k)),
             *(say.number(quantile(values, k, q) / factor) for q in asked),
         )
 
