@@ -500,7 +500,7 @@ def _state_tables(r: LineResponse, checks: tuple[Check, ...], say: Translator) -
                 (
                     row.label(say).replace("  ", "\u2003"),
                     row.unit,
-                    *(say.number(v) for v in row.values),
+                    *row.value_texts(say),
                 )
                 for row in section.rows
             ),

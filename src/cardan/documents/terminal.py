@@ -271,7 +271,7 @@ def _line_state_lines(r: LineResponse, say: Translator, width: int) -> Iterator[
         labels = [row.label(say) for row in section.rows]
         unit = 2 + max(len(row.unit) for row in section.rows)
         room = min(max(map(len, labels)) + 3, max(32, width * 3 // 8))
-        cells = [[say.number(v) for v in row.values] for row in section.rows]
+        cells = [row.value_texts(say) for row in section.rows]
         states = [say.state(s) for s in r.demand.states]
         words = [
             1 + min(len(word), MAX_LETTERS_OF_WORD_WIDENING_COLUMN)

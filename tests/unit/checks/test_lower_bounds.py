@@ -193,3 +193,13 @@ def test_value_that_looks_wrong_is_first_before_signing():
     assert points[0].startswith("values, given or assumed, that look wrong: ")
     assert "driveline.shafts[2].phase_deg" in points[0]
     assert "assumed" in " ".join(points[1:])
+
+
+@pytest.mark.usefixtures("unsolved")
+def test_numbers_of_a_state_are_those_of_the_checks_beyond_a_stop(tmp_path):
+    """Linear rubber gave another number in the table of states than in the check, unmarked."""
+    found = approve_driveline(reader.loads(text(BEYOND)))
+    (check,) = (c for c in found.checks if c.quantity == "centre_bearing_peak")
+    assert check.is_lower_bound
+    printed = shown(tmp_path, BEYOND, options=("--states",))
+    assert f"≥ {ENGLISH.number(check.value)}" in printed
