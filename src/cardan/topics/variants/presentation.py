@@ -145,8 +145,8 @@ def doubt_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterat
     """Yield what limits the trust in the results, and how they were obtained."""
     if not of.variants.ask.yield_only and (most := of.lower_bound_shares.max(initial=0.0)):
         yield say(
-            "≤ upper bound of a margin: in {share} of the variants rubber goes beyond its stop, and "
-            "forces are lower bounds; `cardan check` of one design solves them.",
+            "≤ upper bound of a margin: in {share} of the variants rubber goes beyond its stop, "
+            "and forces are lower bounds; `cardan check` of one design solves them.",
             share=percent_text(float(most), say),
         )
     if of.sampling_plan.method == "even":
@@ -364,7 +364,7 @@ def limit_margins(of: VariantStudyResult, k: int) -> tuple[float, float]:
 
 
 def bound_mark(of: VariantStudyResult, k: int) -> str:
-    """Return the mark of margins to a limit that are upper bounds, because values are lower ones."""
+    """Return the mark of margins that are upper bounds, because values are lower bounds."""
     return "≤ " if of.lower_bound_shares[k] else ""
 
 
