@@ -120,7 +120,7 @@ def _source_lines(of: Approval, say: Translator, width: int) -> Iterator[str]:
 
 
 def file_lines(of: "Sequence[Variant]", say: Translator = ENGLISH) -> Iterator[str]:
-    """Yield a line for each file, its verdict and its worst criterion, and the count of each."""
+    """Yield verdict and worst criterion of each file, the count of verdicts, next commands."""
     wide = max(display_width(v.name) for v in of)
     for v in of:
         approval = v.approval
@@ -138,6 +138,7 @@ def file_lines(of: "Sequence[Variant]", say: Translator = ENGLISH) -> Iterator[s
     yield say.count(
         "{count} file: {verdicts}", "{count} files: {verdicts}", len(of), verdicts=found
     )
+    yield f"{say('Next:')} cardan check FILE | cardan check FILE FILE --all | --pdf OUT"
 
 
 def _worst_criterion_text(of: Approval, say: Translator) -> str:
