@@ -10,6 +10,7 @@ from cardan.core.verdict import CHECK_GRADES, VERDICTS, Limit
 from cardan.render.blocks import Table
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import VERDICT_TEXTS
+from cardan.render.screen_layout import percent_text
 from cardan.render.terminal import report_table_lines
 from cardan.topics.variants.evaluation import UNEVALUATED_GRADE_CODE
 from cardan.topics.variants.rare_failure import MAX_FAILURE_DISTANCE_SD
@@ -249,13 +250,6 @@ def terminal_lines(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterato
     if of.variants.ask.maps:
         yield ""
         yield say("Maps and histograms are drawn by --html.")
-
-
-def percent_text(value: float, say: Translator, digits: int = 1) -> str:
-    """Return a share in per cent; what is not none or all of them never reads so."""
-    while 0 < value < 1 and digits < 9 and float(f"{100 * value:.{digits}f}") in (0, 100):
-        digits += 1
-    return say.with_decimal_sign(f"{100 * value:.{digits}f} %")
 
 
 def percent_text_as_stated(value: float, say: Translator) -> str:

@@ -12,6 +12,7 @@ from cardan.render.screen_layout import (
     capped_item_lines,
     capped_list_lines,
     more_text,
+    percent_text,
     share_text,
     title_and_verdict_lines,
 )
@@ -27,7 +28,6 @@ from cardan.topics.variants.presentation import (
     limit_name,
     limits_by_failures,
     once_in_text,
-    percent_text,
     sobol_column_label,
     sobol_columns,
     spread_text,
