@@ -199,10 +199,18 @@ def _assumed_losses(responses: Iterable[LineResponse]) -> Iterator[TranslatableM
             or r.layout.points.ndim > 3
         ):
             continue
-        force = QUANTITIES["centre_bearing_dynamic"].values(r)
-        # Where rubber meets its stop another crest counts than that of linear rubber.
-        force = np.where(r.mount_loads.is_solved_at_stop, np.nan, force)
+        force, is_bound = QUANTITIES["centre_bearing_dynamic"].values_and_bounds(r)
         if np.isnan(force).all():  # of a line of unknown speed, or that swings
+            continue
+        # Where rubber meets its stop another crest counts than that of linear rubber.
+        force = np.where(r.mount_loads.is_solved_at_stop | is_bound, np.nan, force)
+        if np.isnan(force).all():
+            yield translatable_message(
+                "the rubber's loss factor {factor} is assumed, and forces of line {line} at its "
+                "stop depend on it: give loss_factor",
+                factor=f"{DEFAULT_LOSS_FACTOR:g}",
+                line=r.line.name,
+            )
             continue
         s, k = np.unravel_index(int(np.nanargmax(force)), force.shape)
         more, less = (

@@ -370,16 +370,8 @@ def write_report(told: Any, reports: ReportPaths, *, say: Any, quiet: bool) -> N
             write_and_announce(path, content, say)
 
 
-def locale_translator() -> Any:
-    """Return the translator of a command without --lang: into the language of the locale."""
-    from cardan.render.i18n import Translator
-
-    return Translator(locale_language())
-
-
-def announce_application(file: Path) -> None:
+def announce_application(file: Path, say: Any) -> None:
     """Print that an application is written, and what assesses it."""
-    say = locale_translator()
     echo(say("{file} is written; `cardan check {file}` assesses it.", file=file))
 
 

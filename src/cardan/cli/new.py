@@ -9,11 +9,11 @@ from click.core import ParameterSource
 
 from cardan.cli.common import (
     CAMPAIGN_KIND,
+    LANG_OPTION,
     ExampleChoice,
     TemplateChoice,
     announce_application,
     echo,
-    locale_translator,
     progress_line,
     write_output,
 )
@@ -62,6 +62,7 @@ _INPUT_FILE = click.Path(exists=True, dir_okay=False, path_type=Path)
               help="Wheelbase and axle spacing of a chassis from a table of ISO 21308 codes: "
               "BEP-L011, value [mm].")  # fmt: skip
 @click.option("--force", is_flag=True, help="Replace the file.")
+@LANG_OPTION
 @exit_with_code_2_on_known_errors
 def new(
     file: Path,
@@ -79,6 +80,7 @@ def new(
     hardpoints: Path | None,
     measures: Path | None,
     force: bool,
+    lang: str,
 ) -> None:
     """Write a commented FILE to start from.
 
@@ -98,7 +100,9 @@ def new(
     or of --of.
     """
     from cardan.application import templates
+    from cardan.render.i18n import Translator
 
+    say = Translator(lang)
     if (wheelbase_from is None) != (wheelbase_to is None):
         raise_command_error("--wheelbase-from and --wheelbase-to are given together")
     if recording is None and (torque is not None or speed is not None):
@@ -113,23 +117,24 @@ def new(
                 "--vecto, --vmod, --duty-from, --hardpoints and --bep go with a starter or --of, "
                 "not with --example, a campaign or another wheelbase"
             )
-        write_imported(file, imports, kind=_kind_given(kind), own=own, replace=force)
+        write_imported(file, imports, kind=_kind_given(kind), own=own, replace=force,
+                       say=say)  # fmt: skip
         return
     if example is not None:
         if _kind_given(kind) is not None:
             raise_command_error("--kind is a starter, --example a worked example: give one of them")
         if wheelbase_from is not None or own is not None:
             raise_command_error("--example is written as it is: change its wheelbase with --of")
-        _write_example(example, file, replace=force)
+        _write_example(example, file, replace=force, say=say)
         return
     if kind == CAMPAIGN_KIND:
         if wheelbase_from is not None or own is not None:
             raise_command_error("a campaign has no wheelbase: leave --wheelbase-from and --of out")
-        _write_campaign(file, replace=force)
+        _write_campaign(file, replace=force, say=say)
         return
     if wheelbase_from is not None and wheelbase_to is not None:
         _write_before_and_after(
-            file, kind, own, from_=wheelbase_from, to=wheelbase_to, replace=force
+            file, kind, own, from_=wheelbase_from, to=wheelbase_to, replace=force, say=say
         )
         return
     if own is not None:
@@ -138,7 +143,7 @@ def new(
             "--duty-from, --hardpoints or --bep"
         )
     write_output(file, templates.template_text(kind), replace=force)
-    announce_application(file)
+    announce_application(file, say)
 
 
 def _kind_given(kind: str) -> str | None:
@@ -147,14 +152,14 @@ def _kind_given(kind: str) -> str | None:
     return None if told is ParameterSource.DEFAULT else kind
 
 
-def _write_example(name: str, out: Path, *, replace: bool) -> None:
+def _write_example(name: str, out: Path, *, replace: bool, say: Any) -> None:
     """Write a worked example: an application, or the files of a case into a folder."""
     from cardan.application.templates import example_path
 
     source = example_path(name)
     if source.is_file():
         write_output(out, source.read_bytes(), replace=replace)
-        announce_application(out)
+        announce_application(out, say)
         return
     files = {out / p.name: p for p in sorted(source.iterdir())}
     if (there := [path for path in files if path.exists()]) and not replace:
@@ -162,7 +167,6 @@ def _write_example(name: str, out: Path, *, replace: bool) -> None:
     out.mkdir(parents=True, exist_ok=True)
     for path, from_ in files.items():
         write_output(path, from_.read_bytes())
-    say = locale_translator()
     echo(
         say(
             "{count} files are written into {folder}; {readme} says what to run.",
@@ -171,7 +175,7 @@ def _write_example(name: str, out: Path, *, replace: bool) -> None:
     )  # fmt: skip
 
 
-def _write_campaign(recording: Path, *, replace: bool) -> None:
+def _write_campaign(recording: Path, *, replace: bool, say: Any) -> None:
     """Write a campaign next to its recording."""
     from cardan.topics.recording.campaign_template_presentation import campaign_template
     from cardan.topics.recording.recording_overview import survey_recording
@@ -190,7 +194,6 @@ def _write_campaign(recording: Path, *, replace: bool) -> None:
         yield campaign_template(found).encode()
 
     write_output(out, content(), replace=replace)
-    say = locale_translator()
     echo(
         say(
             "{file} is written; fill in its strength, and `cardan life {file}` evaluates it.",
@@ -200,7 +203,14 @@ def _write_campaign(recording: Path, *, replace: bool) -> None:
 
 
 def _write_before_and_after(
-    file: Path, kind: str, own: Path | None, *, from_: float, to: float, replace: bool
+    file: Path,
+    kind: str,
+    own: Path | None,
+    *,
+    from_: float,
+    to: float,
+    replace: bool,
+    say: Any,
 ) -> None:
     """Write the applications of two wheelbases, and print what the change requires of the line."""
     from cardan.application import reader
@@ -221,7 +231,6 @@ def _write_before_and_after(
     for one, content in zip(files, (before, after), strict=True):
         write_output(one, content, replace=replace)
     first, second = files
-    say = locale_translator()
     echo(
         say(
             "{first} and {second} are written; `cardan check {first} {second}` compares them.",

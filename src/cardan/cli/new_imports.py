@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cardan.cli.common import announce_application, echo, locale_translator, write_output
+from cardan.cli.common import announce_application, echo, write_output
 from cardan.cli.exit_codes import raise_command_error
 
 if TYPE_CHECKING:
@@ -32,7 +32,13 @@ class ImportedFiles:
 
 
 def write_imported(
-    out: Path, imports: ImportedFiles, *, kind: str | None, own: Path | None, replace: bool
+    out: Path,
+    imports: ImportedFiles,
+    *,
+    kind: str | None,
+    own: Path | None,
+    replace: bool,
+    say: Any,
 ) -> None:
     """Write an application with what files of other tools say, and print what was read."""
     from cardan.application import reader
@@ -63,23 +69,28 @@ def write_imported(
     if imports.hardpoints is not None:
         points = read_hardpoints(imports.hardpoints)
         text = text_with_hardpoints(text, application, points, source=str(imports.hardpoints))
-        said.append(f"{imports.hardpoints.name}: {len(points)} points.")
+        name = imports.hardpoints.name
+        said.append(say("{file}: {count} points.", file=name, count=len(points)))
     if imports.vmod is not None or imports.recording is not None:
         duty = _duty(imports, application)
         text = text_with_duty(text, duty_section(duty))
         said.append(
-            f"duty: {len(duty.share)} classes of {duty.duration:.0f} s, "
-            f"{100 * duty.driving_share:.0f} % of it in motion; {duty.origin}."
+            say(
+                "duty: {classes} classes of {time} s, {moving} % of it in motion; {origin}.",
+                classes=len(duty.share),
+                time=f"{duty.duration:.0f}",
+                moving=f"{100 * duty.driving_share:.0f}",
+                origin=duty.origin,
+            )
         )
     left = reader.loads(text, name=str(out), **source).placeholders  # what is written can be read
     write_output(out, text, replace=replace)
     for line in said:
         echo(line)
     if left:
-        say = locale_translator()
         echo(say("{file} is written; enter the values of: {keys}.", file=out, keys=", ".join(left)))
     else:
-        announce_application(out)
+        announce_application(out, say)
 
 
 def _duty(imports: ImportedFiles, application: "Application") -> "DutyCollective":

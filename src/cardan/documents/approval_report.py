@@ -4,7 +4,7 @@ The page, the printed document and any later medium contain the same story, in t
 same order and the same words, because this is all they are made from.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from cardan.approval.approval import Approval
 from cardan.approval.registry import study_registrations
@@ -20,6 +20,7 @@ from cardan.documents.approval_sheet import (
     revision_table,
 )
 from cardan.documents.comparison import ComparisonRow, Variant, input_differences, limit_differences
+from cardan.documents.criteria import CriterionKey, limit_qualifiers
 from cardan.documents.first_screen import criteria_count_text, points_before_signing
 from cardan.documents.inputs_table import input_rows
 from cardan.documents.line_drawing import (
@@ -272,8 +273,8 @@ def verdict_report_blocks(of: Approval, say: Translator, *, short: bool = False)
     rows = every[: bad + MAX_NEAREST_ROWS] if short else every
     several = len(of.line_responses) > 1
     sources = list(dict.fromkeys(citation(c.limit.source, say) for c in rows))
-    yield _check_table(rows, say, caption=say("Every limit, where it is worst"), several=several,
-                sources=sources)  # fmt: skip
+    qualifiers = limit_qualifiers([*of.checks, *of.coverage.unevaluated], of.application)
+    yield _check_table(rows, say, qualifiers, several=several, sources=sources)
     if len(rows) < len(every):
         yield Text(paragraphs=(say("{count} more limits pass.", count=len(every) - len(rows)),))
     yield BulletList(
@@ -304,24 +305,31 @@ def verdict_report_blocks(of: Approval, say: Translator, *, short: bool = False)
 def _check_table(
     rows: Sequence[Check],
     say: Translator,
+    qualifiers: Mapping[CriterionKey, str],
     *,
-    caption: str,
     several: bool,
-    sources: Sequence[str] = (),
+    sources: Sequence[str],
 ) -> Table:
-    """Return checks as a table; with `sources` their numbers stand at the end."""
+    """Return checks as a table, with the numbers of their sources at the end.
+
+    `qualifiers` distinguish limits of one quantity.
+    """
+
+    def name(c: Check) -> str:
+        said, qualifier = say.name(c.quantity), qualifiers.get((c.quantity, c.line, c.limit))
+        return f"{said} ({say(qualifier)})" if qualifier else said
 
     def row(c: Check) -> tuple[str, ...]:
         q, (value, bound) = QUANTITIES[c.quantity], value_and_bound(c, say)
         return (
             say(c.grade),
-            say.name(q.key),
+            name(c),
             check_location(c, say, several=several),
             value,
             f"{limit_sense_symbol(c, say)} {bound}",
             q.unit_symbol,
             say.margin_text(c.margin),
-            *((f"[{sources.index(citation(c.limit.source, say)) + 1}]",) if sources else ()),
+            f"[{sources.index(citation(c.limit.source, say)) + 1}]",
         )
 
     head = (
@@ -332,10 +340,10 @@ def _check_table(
         say("bound"),
         say("unit"),
         say("margin"),
-        *((say("source"),) if sources else ()),
+        say("source"),
     )
     return Table(
-        caption=caption,
+        caption=say("Every limit, where it is worst"),
         head=head,
         rows=tuple(row(c) for c in rows),
         words=3,
@@ -500,7 +508,7 @@ def _state_tables(r: LineResponse, checks: tuple[Check, ...], say: Translator) -
                 (
                     row.label(say).replace("  ", "\u2003"),
                     row.unit,
-                    *(say.number(v) for v in row.values),
+                    *row.value_texts(say),
                 )
                 for row in section.rows
             ),

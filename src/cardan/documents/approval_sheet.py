@@ -5,6 +5,7 @@ that they rest on is the annex, from the next page on.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
 from cardan.approval.approval import Approval
 from cardan.core.verdict import CHECK_GRADES, Check
@@ -113,8 +114,8 @@ def comparison_sheet(of: Sequence[Variant], names: Sequence[str], say: Translato
             )
         ),
         *_difference_blocks(of, names, say),
-        *_side_view(last, say, state=None),
-        *_open_point_blocks(_open_points(last, (), None, say), say),
+        *_side_view(last, say, state=None, variant=names[-1]),
+        *_open_point_blocks(_open_points(last, (), None, say), say, variant=names[-1]),
         signature_table(last.application, say),
     ]
     return Chapter(title=say("Approval sheet"), blocks=tuple(blocks))
@@ -226,8 +227,13 @@ def _difference_blocks(
 # --------------------------------------------------------------------------- drawing, open points
 
 
-def _side_view(of: Approval, say: Translator, *, state: str | None) -> Iterator[Block]:
-    """Yield the line that decides, drawn in its worst state or in a requested state."""
+def _side_view(
+    of: Approval, say: Translator, *, state: str | None, variant: str = ""
+) -> Iterator[Block]:
+    """Yield the line that decides, drawn in its worst state or in a requested state.
+
+    Of variants side by side `variant` says which one.
+    """
     rows = worst_check_per_limit(of.checks)
     names = [r.line.name for r in of.line_responses]
     line = next((c.line for c in rows if c.line in names), names[0] if names else None)
@@ -235,6 +241,7 @@ def _side_view(of: Approval, say: Translator, *, state: str | None) -> Iterator[
         if r.line.name == line and has_known_geometry(r):
             s, at = state_to_draw(r, rows if state is None else (), state)
             figure = side_view_in_state(r, say, s, at)
+            figure = replace(figure, title=_of_variant(figure.title, variant))
             yield Figures(figures=(figure,), wide=True, max_height_mm=SIDE_VIEW_HEIGHT_MM)
 
 
@@ -266,14 +273,21 @@ def _open_points(
         )
 
 
-def _open_point_blocks(points: Iterable[str], say: Translator) -> Iterator[Block]:
+def _of_variant(title: str, variant: str) -> str:
+    return f"{variant}: {title[:1].lower()}{title[1:]}" if variant else title
+
+
+def _open_point_blocks(
+    points: Iterable[str], say: Translator, *, variant: str = ""
+) -> Iterator[Block]:
     """Yield open points, as many as the sheet has room for; the rest counted."""
     every = list(points)
     shown = [(_cut(one), ()) for one in every[:MAX_OPEN_POINTS]]
     if rest := len(every) - len(shown):
         more = say.count("{count} more in the annex", "{count} more in the annex", rest)
         shown.append((more, ()))
-    yield BulletList(caption=say("Open points"), points=tuple(shown) or ((say("none"), ()),))
+    caption = _of_variant(say("Open points"), variant)
+    yield BulletList(caption=caption, points=tuple(shown) or ((say("none"), ()),))
 
 
 def _cut(text: str) -> str:

@@ -29,7 +29,7 @@ from cardan.render.screen_layout import (
     capped_item_lines,
     capped_list_lines,
     more_text,
-    share_text,
+    percent_text,
     title_lines,
 )
 from cardan.render.terminal import bold
@@ -157,7 +157,7 @@ def _proposal_lines(
     ]
     for k, p in enumerate(of, 1):
         moves = "; ".join(correction_text(m, say) for m in p.adjustments)
-        trucks = share_text(p.tolerance_yield.share, say) if p.tolerance_yield else "-"
+        trucks = percent_text(p.tolerance_yield.share, say, digits=0) if p.tolerance_yield else "-"
         cost = say.compact_number(round(p.cost, 2))
         rows.append(
             (str(k), moves, say(SHORT_VERDICT_TEXTS[p.verdict]), *_counts(p.approval), trucks, cost)

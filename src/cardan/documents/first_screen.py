@@ -475,9 +475,10 @@ def _signature_parts(
 def _graver_items(screen: _Screen) -> Iterator[str]:
     """Yield sentences for a signer that go before those on data, the gravest first."""
     say, of = screen.say, screen.approval
-    if warnings := of.application.warnings:
-        keys = ", ".join(dict.fromkeys(w.key for w in warnings))
-        yield say("values, given or assumed, that look wrong: {keys}", keys=keys)
+    warnings = of.application.warnings
+    if keys := dict.fromkeys(w.key for w in warnings if w.key):
+        yield say("values, given or assumed, that look wrong: {keys}", keys=", ".join(keys))
+    yield from dict.fromkeys(say.error(w.message) for w in warnings if not w.key)
     for f in of.study_results:
         if f.was_run and (f.run_failed or (f.failure_reasons and not f.unevaluated)):
             yield from failure_sentences(f, say)

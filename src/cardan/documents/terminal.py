@@ -120,7 +120,7 @@ def _source_lines(of: Approval, say: Translator, width: int) -> Iterator[str]:
 
 
 def file_lines(of: "Sequence[Variant]", say: Translator = ENGLISH) -> Iterator[str]:
-    """Yield a line for each file, its verdict and its worst criterion, and the count of each."""
+    """Yield verdict and worst criterion of each file, the count of verdicts, next commands."""
     wide = max(display_width(v.name) for v in of)
     for v in of:
         approval = v.approval
@@ -138,6 +138,7 @@ def file_lines(of: "Sequence[Variant]", say: Translator = ENGLISH) -> Iterator[s
     yield say.count(
         "{count} file: {verdicts}", "{count} files: {verdicts}", len(of), verdicts=found
     )
+    yield f"{say('Next:')} cardan check FILE | cardan check FILE FILE --all | --pdf OUT"
 
 
 def _worst_criterion_text(of: Approval, say: Translator) -> str:
@@ -271,7 +272,7 @@ def _line_state_lines(r: LineResponse, say: Translator, width: int) -> Iterator[
         labels = [row.label(say) for row in section.rows]
         unit = 2 + max(len(row.unit) for row in section.rows)
         room = min(max(map(len, labels)) + 3, max(32, width * 3 // 8))
-        cells = [[say.number(v) for v in row.values] for row in section.rows]
+        cells = [row.value_texts(say) for row in section.rows]
         states = [say.state(s) for s in r.demand.states]
         words = [
             1 + min(len(word), MAX_LETTERS_OF_WORD_WIDENING_COLUMN)

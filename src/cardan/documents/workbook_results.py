@@ -1,6 +1,6 @@
 """Sheet of the results of a line: its limits with their values, and what else is known."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from cardan.checks.quantities.declaration import (
     NEEDS_TORQUE_WEIGHT_OR_UNBALANCE,
 )
 from cardan.checks.quantities.registry import QUANTITIES
+from cardan.core.arrays import BoolArray
 from cardan.core.verdict import Verdict
 from cardan.documents.workbook_calculation import (
     CalculationSheet,
@@ -97,7 +98,7 @@ class ResultsSheet(LineSheet):
                         row.unit,
                         row.values.tolist(),
                         style=self.book.exact,
-                        texts=(say("value"), ""),
+                        texts=(say("value"), _bounded_states_text(row.bounds, self.heads)),
                     )
         end = FIRST_STATE_COLUMN + len(self.heads) - 1
         sheet.grey_once_stale(first, FIRST_STATE_COLUMN, sheet.row - 1, end)
@@ -173,6 +174,12 @@ class ResultsSheet(LineSheet):
             approximation=one.approximation,
             may_be_stale=one.follows_geometry and bool(self.calculation.moved_states),
         )
+
+
+def _bounded_states_text(bounds: BoolArray, states: Sequence[str]) -> str:
+    """Return in which states a row's value is a lower bound."""
+    named = [state for state, bound in zip(states, bounds.tolist(), strict=True) if bound]
+    return f"≥: {', '.join(named)}" if named else ""
 
 
 def _worse_elsewhere(question: EvaluatedLimit, k: int) -> bool:

@@ -198,16 +198,18 @@ def _missing_characters_note(without: list[str], say: Translator) -> str:
     )  # fmt: skip
 
 
-def _column_head(text: str, *, number: bool) -> str:
-    """Return the head of a column; over numbers it takes no more width than they do."""
-    return (
-        insert_word_breaks(
-            truncate(text, MAX_NUMBER_COLUMN_HEAD_CHARACTERS),
-            word=MAX_NUMBER_COLUMN_HEAD_CHARACTERS // 2,
-        )
-        if number
-        else truncate(text, MAX_TEXT_COLUMN_HEAD_CHARACTERS)
-    )
+def column_head(text: str, *, number: bool) -> str:
+    """Return the head of a column; over numbers it takes no more width than they do.
+
+    Of a long name with its unit in brackets the unit stays.
+    """
+    if not number:
+        return truncate(text, MAX_TEXT_COLUMN_HEAD_CHARACTERS)
+    name, bracket, unit = text.rpartition(" [")
+    if not bracket or not unit.endswith("]"):
+        name, bracket, unit = text, "", ""
+    short = truncate(name, MAX_NUMBER_COLUMN_HEAD_CHARACTERS) + bracket + unit
+    return insert_word_breaks(short, word=MAX_NUMBER_COLUMN_HEAD_CHARACTERS // 2)
 
 
 def _fitted_texts(story: dict[str, Any]) -> dict[str, Any]:
@@ -217,7 +219,7 @@ def _fitted_texts(story: dict[str, Any]) -> dict[str, Any]:
         for block in chapter["blocks"]:
             if block["kind"] == "Table":
                 heads = enumerate(block["head"])
-                block["head"] = [_column_head(t, number=k >= block["words"]) for k, t in heads]
+                block["head"] = [column_head(t, number=k >= block["words"]) for k, t in heads]
                 block["rows"] = apply_to_all_texts(
                     block["rows"], lambda t: truncate(t, MAX_CELL_CHARACTERS)
                 )

@@ -398,7 +398,7 @@ def _unevaluated_line(
 
 def doubtful_value_count_text(of: "Approval", say: Translator) -> str:
     """Return how many values look wrong, which a verdict may hang on; "" if none."""
-    if not (keys := {w.key for w in of.application.warnings}):
+    if not (keys := {w.key for w in of.application.warnings if w.key}):
         return ""
     return say.count("{count} value looks wrong", "{count} values look wrong", len(keys))
 

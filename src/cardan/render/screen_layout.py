@@ -63,6 +63,13 @@ def capped_item_lines(
     return found
 
 
+def percent_text(value: float, say: Translator, digits: int = 1) -> str:
+    """Return a share in per cent; what is not none or all of them never reads so."""
+    while 0 < value < 1 and digits < 9 and float(f"{100 * value:.{digits}f}") in (0, 100):
+        digits += 1
+    return say.with_decimal_sign(f"{100 * value:.{digits}f} %")
+
+
 def share_text(share: float, say: Translator) -> str:
     """Return a share in per cent; beyond 100 % as beyond, where a number says no more."""
     if abs(share) > 1.005:

@@ -14,7 +14,7 @@ from cardan.checks.line_response import LineResponse
 from cardan.checks.quantities.declaration import SECTIONS_GROUPED_BY_PART, Quantity
 from cardan.checks.quantities.declaration import ReportTableSection as Heading
 from cardan.checks.quantities.registry import LINE_QUANTITIES, QUANTITIES
-from cardan.core.arrays import FloatArray
+from cardan.core.arrays import BoolArray, FloatArray
 from cardan.core.labels import WHOLE_LINE, Part
 from cardan.core.lazy_dataclass import dataclass
 from cardan.render.i18n import Translator
@@ -28,11 +28,12 @@ class StateTableRow:
     """One number for each state, in the unit its quantity is shown in.
 
     `part` says of what, `method` by which approximation; an exact value has none. nan is
-    what could not be computed.
+    what could not be computed. `bounds` says which values are lower bounds.
     """
 
     quantity: str
     values: FloatArray
+    bounds: BoolArray
     part: Part = WHOLE_LINE
     method: str = ""
 
@@ -45,6 +46,11 @@ class StateTableRow:
     def limit_quantities(self) -> tuple[str, ...]:
         """The quantities whose limits use this row."""
         return LIMIT_QUANTITIES_BY_ROW.get(self.quantity, (self.quantity,))
+
+    def value_texts(self, say: Translator) -> tuple[str, ...]:
+        """Return its values as tables print them, lower bounds with their mark."""
+        each = zip(self.values.tolist(), self.bounds.tolist(), strict=True)
+        return tuple(("≥ " if bound else "") + say.number(v) for v, bound in each)
 
     def label(self, say: Translator) -> str:
         """Return the row's name with its part or, in brackets, its approximation."""
@@ -130,15 +136,20 @@ def _section_rows(r: LineResponse, title: str) -> Iterator[StateTableRow]:
 def _quantity_rows(q: Quantity, r: LineResponse) -> Iterator[StateTableRow]:
     """Yield the rows of a quantity, each followed by its approximations."""
     assert q.parts is not None
-    exact = q.values(r) / q.si_factor
+    exact, bounds = q.values_and_bounds(r)
+    exact = exact / q.si_factor
     others = {name: of(r) / q.si_factor for name, of in q.approximations.items()}
     for part, places in _indices_by_displayed_part(q.parts(r)).items():
-        values = exact[:, places].min(axis=-1)
-        yield StateTableRow(quantity=q.key, values=values, part=part)
+        yield StateTableRow(
+            quantity=q.key,
+            values=exact[:, places].min(axis=-1),
+            bounds=bounds[:, places].any(axis=-1),
+            part=part,
+        )
         for name, by_method in others.items():
-            yield StateTableRow(
-                quantity=q.key, values=by_method[:, places[0]], part=part, method=name
-            )
+            values = by_method[:, places[0]]
+            none = np.zeros(len(values), dtype=bool)
+            yield StateTableRow(quantity=q.key, values=values, bounds=none, part=part, method=name)
 
 
 def _indices_by_displayed_part(parts: tuple[Part, ...]) -> dict[Part, list[int]]:

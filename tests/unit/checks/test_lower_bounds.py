@@ -81,6 +81,18 @@ def test_variant_with_lower_bound_is_not_counted_as_buildable():
     assert "Not shown to pass: 50.0 % do not fail" in str(found)
 
 
+def test_margins_of_failing_variants_beyond_stop_are_marked_as_upper_bounds():
+    """The check of one design solves the stop and finds more; the study says that it does not."""
+    app = reader.loads(text(BEYOND).replace("normal: 1e5, maximum: 1e6", "maximum: 1000"))
+    found = cardan.study(app, {"torque_Nm": {"grid": [BEYOND, BEYOND + 1, 2]}}, n=2)
+    (limit,) = found.to_dict()["limits"]
+    assert limit["lower_bounds"] == 1.0
+    assert found.shares["fail"] == 1.0
+    (solved,) = (c for c in approve_driveline(app).checks if c.margin < 0)
+    assert solved.margin < 1.1 * limit["smallest_margin"]
+    assert "≤ upper bound of a margin: in 100.0 %" in str(found)
+
+
 @pytest.fixture
 def unsolved(monkeypatch):
     """Let no line be solved with its stop: forces there are lower bounds."""
@@ -181,3 +193,13 @@ def test_value_that_looks_wrong_is_first_before_signing():
     assert points[0].startswith("values, given or assumed, that look wrong: ")
     assert "driveline.shafts[2].phase_deg" in points[0]
     assert "assumed" in " ".join(points[1:])
+
+
+@pytest.mark.usefixtures("unsolved")
+def test_numbers_of_a_state_are_those_of_the_checks_beyond_a_stop(tmp_path):
+    """Linear rubber gave another number in the table of states than in the check, unmarked."""
+    found = approve_driveline(reader.loads(text(BEYOND)))
+    (check,) = (c for c in found.checks if c.quantity == "centre_bearing_peak")
+    assert check.is_lower_bound
+    printed = shown(tmp_path, BEYOND, options=("--states",))
+    assert f"≥ {ENGLISH.number(check.value)}" in printed

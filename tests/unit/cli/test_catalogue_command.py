@@ -205,7 +205,7 @@ def test_check_json_has_reading_of_bound_and_data():
     printed = (
         CliRunner(env=WIDE).invoke(cli, ["check", str(file), "--lang", "pt", "--sources"]).output
     )
-    assert "tubo 120x4 (árvore 1, árvore 2, árvore 3): conferido; material: suposto" in printed
+    assert "tubo 120x4 (árvore 1, árvore 2, árvore 3): conferido; material: adotado" in printed
 
 
 @pytest.mark.parametrize(

@@ -118,12 +118,13 @@ def test_several_files_get_one_line_each_and_a_count(tmp_path):
     """Two hundred files printed 16 000 lines, side by side, and no line of a file."""
     good = written(tmp_path, SMALL, "good.yaml")
     bad = written(tmp_path, SMALL.replace("2500", "13000"), "bad.yaml")
-    first, second, third, count = run("check", good, bad, good).stdout.splitlines()
+    first, second, third, count, after = run("check", good, bad, good).stdout.splitlines()
     assert first == third
     assert first.startswith(f"{good}  APPROVED: ")
     assert second.startswith(f"{bad}   NOT APPROVED: ")
     assert " (max " in second
     assert count == "3 files: 2 approved, 1 not approved"
+    assert after == "Next: cardan check FILE | cardan check FILE FILE --all | --pdf OUT"
     assert "Variants side by side" in run("check", "--all", good, bad).stdout
 
 

@@ -367,6 +367,17 @@ def test_hardpoints_of_csv_and_spreadsheet_move_line(tmp_path, table):
     )
 
 
+def test_new_says_what_it_wrote_in_the_language_of_the_option(tmp_path):
+    (tmp_path / "points.csv").write_text(
+        "name;x [mm];y [mm];z [mm]\njoint 1;0;0;0\njoint 2;1250;0;-60\njoint 3;2750;0;-165\n"
+    )
+    out = tmp_path / "nuovo.yaml"
+    assert "nuovo.yaml è stato scritto" in run("new", out, "--lang", "it").output
+    made = run("new", out, "--force", "--hardpoints", tmp_path / "points.csv", "--lang", "pt")
+    assert made.output.startswith("points.csv: 3 pontos.")
+    assert "foi gravado" in made.output
+
+
 def test_quoted_decimal_comma_of_hardpoints_is_one_number(tmp_path):
     table = POINTS.replace("1250,0,-60.5", '"1250,5",0,"-60,5"')
     (tmp_path / "p.csv").write_text(table, "utf-8")

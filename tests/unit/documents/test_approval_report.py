@@ -45,7 +45,7 @@ from cardan.documents.line_plots import all_line_plots, motion_over_turn_plots
 from cardan.documents.workbook import workbook_bytes
 from cardan.model.adjustments import ADJUSTMENTS
 from cardan.model.application import GearboxAndAxleRotors
-from cardan.render.blocks import Chapter, Picture, Table
+from cardan.render.blocks import BulletList, Chapter, Figures, Picture, Table
 from cardan.render.chart import Chart, axis_range, ticks
 from cardan.render.html import html_page
 from cardan.render.i18n import (
@@ -973,6 +973,23 @@ def test_comparison_sheet_shows_before_and_after(truck):
     assert table.grades[0][2:] == (worst, worst)
     assert table.rows[0][2] == table.rows[0][3]
     assert ("Customer", "Frotas do Sul") in told.facts
+    (drawn,) = (b for b in told.chapters[0].blocks if isinstance(b, Figures))
+    assert drawn.figures[0].title.startswith("2. b: the line (")
+    (points,) = (b for b in told.chapters[0].blocks if isinstance(b, BulletList)
+                 if b.caption.endswith("open points"))  # fmt: skip
+    assert points.caption == "2. b: open points"
+
+
+def test_limits_of_one_quantity_are_told_apart_in_the_table_of_limits():
+    """Two rows were both called "Joint angle", with other bounds."""
+    text = templates.template_text("small")
+    found = approve_driveline(reader.loads(text))
+    told = story.approval_report_from_results(found, helps=(), fixes=(), say=ENGLISH, issue=ISSUE)
+    tables = (b for c in told.chapters for b in c.blocks if isinstance(b, Table))
+    (table,) = (t for t in tables if t.caption == "Every limit, where it is worst")
+    names = [row[1] for row in table.rows]
+    assert {"Joint angle (recommended)", "Joint angle (maximum)"} < set(names)
+    assert len(set(names)) == len(names)
 
 
 # --------------------------------------------------------------------------- its counts

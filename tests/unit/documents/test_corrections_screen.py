@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 
@@ -17,6 +18,8 @@ from cardan.render.phrases import VERDICT_TEXTS
 from cardan.render.text_layout import without_colours
 from cardan.topics.design.correction import Correction
 from cardan.topics.design.corrections import find_corrections
+from cardan.topics.design.phrases import tolerance_yield_sentences
+from cardan.topics.design.robustness import ToleranceYield
 
 SHAFT = """\
 title: Under the truck
@@ -102,3 +105,17 @@ def test_screen_of_many_changes_stays_one_screen(proposals, code):
     lines = screen((of,) * 12, code)
     assert len(lines) <= MAX_LINES == 32
     assert max(map(len, lines)) <= 80
+
+
+def test_share_of_trucks_that_is_not_all_does_not_read_as_all():
+    """It said "100 % of trucks fail in nothing more", and below it what most others fail in."""
+    trucks = ToleranceYield(
+        share=0.99976,
+        share_without_warnings=1.0,
+        individually_evaluated=False,
+        most_failed_quantity="centre_bearing_dynamic",
+    )
+    scatter = SimpleNamespace()  # its names are not needed
+    said, others = tolerance_yield_sentences(trucks, scatter, Translator("en"))
+    assert said == "99.98 % of trucks fail in nothing more; 100 % do not warn more either"
+    assert others.startswith("most others fail in")

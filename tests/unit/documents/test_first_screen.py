@@ -33,6 +33,7 @@ from cardan.documents.first_screen import MAX_LINES, points_before_signing, scre
 from cardan.render.check_texts import limit_text, value_text
 from cardan.render.i18n import ENGLISH, LANGUAGE_CODES, Translator, message_catalogue
 from cardan.render.json_contract import catalogue_datum_json
+from cardan.render.phrases import doubtful_value_count_text
 from cardan.render.text_layout import without_colours
 
 SHAFT = """\
@@ -320,3 +321,13 @@ def test_why_names_missing_input_of_criterion_not_evaluated():
     said = without_colours(explanation_lines(named, found, helps=(), say=ENGLISH))
     assert "not evaluated (input missing: spline mean_radius_mm)" in said
     assert "Fa = T μ / rm" in said
+
+
+def test_missing_torque_is_said_by_its_sentence_and_is_no_value_that_looks_wrong():
+    """The line ended in a colon with nothing behind it: such a warning is about no key."""
+    text = SHAFT.replace("torque_Nm: 3000\n", "").replace('joints: "2040"', "joints: 1710")
+    found = approve_driveline(reader.loads(text.replace("LIMITS", "body-builder")))
+    shown = screen(found)
+    assert "  no torque is given: loads, strength and life cannot be checked" in shown
+    assert not any("look wrong" in line for line in shown)
+    assert doubtful_value_count_text(found, ENGLISH) == ""

@@ -120,7 +120,9 @@ def words(text):
     ("code", "english", "unless", "asked", "never"),
     [
         # The shaft is the árvore, the axle the eixo; semieixos are half shafts.
-        ("pt", {"shaft", "shafts"}, {"half", "axle", "axles", "axis"}, "", {"eixo", "eixos"}),
+        ("pt", {"shaft", "shafts"}, {"half", "axle", "axles", "axis"}, "",
+         {"eixo", "eixos", "cardan", "cardans"}),
+        ("pt", {"assumed"}, set(), "", {"suposto", "suposta", "supostos", "supostas"}),
         ("pt", {"coast", "coasting", "overrun"}, set(), "freio-motor", {"arrasto"}),
         ("pt", {"pitch"}, set(), "inclina", {"rotação"}),
         ("pt", {"recording"}, set(), "", {"gravação"}),
@@ -128,7 +130,9 @@ def words(text):
         ("it", {"shaft", "shafts"}, {"half", "axle", "axles"}, "", {"ponte", "assale"}),
         ("it", {"coast", "coasting", "overrun"}, set(), "rilasci", set()),
         ("it", {"needle", "needles"}, set(), "rullini", {"aghi"}),
-        ("it", {"assumed"}, set(), "", {"supposto", "supposti", "assunto", "assunta"}),
+        ("it", {"assumed"}, set(), "", {"supposto", "supposti", "assunto", "assunta", "assunti"}),
+        # What is exceeded is superato: a stale result is not.
+        ("it", {"stale"}, set(), "aggiornat", {"superato", "superati", "superate"}),
         ("it", {"rpm"}, set(), "rpm", {"giri"}),
     ],
 )  # fmt: skip

@@ -20,7 +20,7 @@ from cardan.core.lazy_dataclass import dataclass
 from cardan.core.provenance import Source
 from cardan.core.symbolic import Expression
 from cardan.core.units import UNITS
-from cardan.core.verdict import Limit, LimitSense
+from cardan.core.verdict import MARGIN_TOLERANCE, Limit, LimitSense
 from cardan.model.application import STATE_KINDS_AT_LOADED_RIDE_HEIGHT
 from cardan.model.laminate import CompositeTube
 from cardan.model.parts import JointKind, Tube
@@ -349,6 +349,20 @@ class Quantity:
             return values
         meant = np.array([[kind in self.states] for kind in r.state_kinds])
         return np.where(meant, values, np.nan)
+
+    def values_and_bounds(self, r: LineResponse) -> tuple[FloatArray, BoolArray]:
+        """Return its values as limits hold them, (..., states, parts) SI, and which are bounds.
+
+        A lower bound stands where the rubber goes beyond a stop and is not solved with it.
+        """
+        values = self.values(r)
+        if self.lower_bound is None or self.validity_margin is None:
+            return values, np.zeros(values.shape, dtype=bool)
+        beyond = np.broadcast_to(self.validity_margin(r) < -MARGIN_TOLERANCE, values.shape)
+        if not beyond.any():
+            return values, beyond
+        least = np.where(beyond, self.values(r, lower_bounds=True), values)
+        return least, beyond & ~np.isnan(least)
 
 
 def whole_line(_: LineResponse) -> tuple[Part, ...]:

@@ -18,6 +18,7 @@ from cardan.render.phrases import (
     verdict_text,
     worst_check_per_limit,
 )
+from cardan.render.screen_layout import percent_text
 from cardan.topics.design.sensitivity import AdjustmentEffect, CheckSensitivity
 
 if TYPE_CHECKING:  # one check of one design is not to wait for these
@@ -149,8 +150,7 @@ def tolerance_yield_sentences(
     if found is None or trucks is None:
         return []
     share, quiet = (
-        say.with_decimal_sign(f"{100 * k:.0f} %")
-        for k in (found.share, found.share_without_warnings)
+        percent_text(k, say, digits=0) for k in (found.share, found.share_without_warnings)
     )
     said = [
         say("{share} of trucks fail in nothing more; {quiet} do not warn more either",
@@ -164,7 +164,7 @@ def tolerance_yield_sentences(
         said.append(
             say("tighten first: {name}; half as wide, {share} fail in nothing more",
                 name=adjustable_parameter_phrase(a, say) if a else name,
-                share=say.with_decimal_sign(f"{100 * more:.0f} %"))
+                share=percent_text(more, say, digits=0))
         )  # fmt: skip
     return said
 

@@ -94,30 +94,32 @@ def _further_shaft_phrase(of: PartProposal, say: Translator) -> str:
 
 def _further_shaft_table(of: SizingResult, say: Translator) -> Iterator[str]:
     """Yield the limits of lines with a further shaft, today next to the proposal."""
-    for name, approval in of.further_shafts.items():
+    for line, approval in of.further_shafts.items():
         today, proposed = (
             {
                 (c.quantity, c.limit): c
-                for c in worst_check_per_limit(c for c in a.checks if c.line == name)
+                for c in worst_check_per_limit(c for c in a.checks if c.line == line)
             }
             for a in (of.approval_before, approval)
         )
         rows = [("", say("today"), say("proposed"), say("limit"))]
         for key, now in proposed.items():
             was, unit = today.get(key), QUANTITIES[now.quantity].unit_symbol
-            factor = QUANTITIES[now.quantity].si_factor
+            factor, limit = QUANTITIES[now.quantity].si_factor, now.limit
             before, after = (
-                "-" if c is None else f"{say.number(c.value / factor)} {say(c.grade)}"
+                "-" if c is None else f"{say.number(c.value / factor, 3)} {say(c.grade)}"
                 for c in (was, now)
             )
-            bound = f"{limit_sense_symbol(now, say)} {say.number(now.bound / factor)} {unit}"
+            both = [b for b in (limit.normal, limit.maximum) if b is not None] or [now.bound]
+            bounds = " | ".join(say.number(b / factor, 3) for b in both)
+            bound = f"{limit_sense_symbol(now, say)} {bounds} {unit}"
             name = say.name(now.quantity)
             if sum(quantity == now.quantity for quantity, _ in proposed) > 1:
-                only = now.limit.normal is None and now.limit.band is None
-                name += f" ({say('maximum' if only else 'recommended')})"
+                is_maximum = limit.normal is None and limit.band is None
+                name += f" ({say('maximum' if is_maximum else 'recommended')})"
             rows.append((name, before, after, bound.rstrip()))
         yield ""
-        yield say("Line {line}, today and with the further shaft", line=name)
+        yield say("Line {line}, today and with the further shaft", line=line)
         yield from (f"  {line}" for line in aligned_column_lines(rows, words=(0, 3)))
 
 

@@ -45,6 +45,7 @@ from cardan.topics.recording.presentation import (
     joint_damage_share_lines,
     recording_mix_gauge_rows,
     recording_mix_gauge_sentences,
+    recording_note_text,
 )
 from cardan.topics.recording.recording_assessment import RecordingAssessment, ReportFigures
 
@@ -104,7 +105,7 @@ def recording_blocks(
     MissingDependencyError
         Without matplotlib.
     """
-    paragraphs = [say.error(say.translate_if_known(note)) for note in of.recording.notes] + list(
+    paragraphs = [recording_note_text(note, say) for note in of.recording.notes] + list(
         channel_fault_lines(of.recording, of.lives, say)
     )
     if paragraphs:

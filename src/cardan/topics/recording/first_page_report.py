@@ -13,7 +13,7 @@ from cardan.physics.fatigue.damage import LifeEstimate
 from cardan.physics.fatigue.rainflow import Cycles
 from cardan.physics.fatigue.rainflow_matrix import RainflowTable, merge_tables
 from cardan.physics.signals.assessment import GaugeAssessment
-from cardan.render.blocks import Block, BulletList, Chapter, Figures, Table
+from cardan.render.blocks import Block, BulletList, Chapter, Figures, Table, Text
 from cardan.render.i18n import Translator
 from cardan.topics.recording.campaign_assessment import CampaignAssessment
 from cardan.topics.recording.life_figures_report import (
@@ -28,6 +28,7 @@ from cardan.topics.recording.screen_presentation import (
     GaugeResult,
     gauge_result_rows,
     gauge_results,
+    limit_sentences,
     open_points,
 )
 
@@ -124,6 +125,8 @@ def _blocks(found: Found, say: Translator) -> Iterator[Block]:
         )
         + ((("",) * len(head),) if more > 0 else ()),
     )
+    if limits := tuple(limit_sentences(found, say)):
+        yield Text(paragraphs=limits)
     points = open_points(found, say)
     if isinstance(found.answer, CampaignAssessment):
         points = [options_as_campaign_file_keys(point) for point in points]

@@ -12,7 +12,11 @@ from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines
 from cardan.topics.recording.channel_reading import channel_unit
 from cardan.topics.recording.channel_roles import ChannelRole
 from cardan.topics.recording.json_presentation import channel_json
-from cardan.topics.recording.presentation import fault_messages
+from cardan.topics.recording.presentation import (
+    fault_messages,
+    recording_note_text,
+    valid_share_text,
+)
 from cardan.topics.recording.recording_overview import ChannelOverview, RecordingOverview
 
 _ROLE_NAMES = {
@@ -31,7 +35,7 @@ def overview_rows(of: RecordingOverview, say: Translator) -> list[tuple[str, ...
             (c.channel.name, channel_unit(c.channel) or "-", say(_ROLE_NAMES[c.role]),
              say.compact_number(c.rate), say.compact_number(c.first),
              say.compact_number(c.length), _value(c.low, say), _value(c.high, say),
-             say.percentage(_cut(c.valid_share), 1))
+             valid_share_text(c.valid_share, say))
             for c in of.channels
         ),
     ]  # fmt: skip
@@ -39,11 +43,6 @@ def overview_rows(of: RecordingOverview, say: Translator) -> list[tuple[str, ...
 
 def _value(value: float, say: Translator) -> str:
     return "-" if math.isnan(value) else say.compact_number(value)
-
-
-def _cut(share: float) -> float:
-    """Return a share in tenths of a per cent, cut: what is not whole is not shown as whole."""
-    return math.floor(round(share * 1e3, 6)) / 1e3
 
 
 def overview_lines(
@@ -66,7 +65,7 @@ def _head_lines(of: RecordingOverview, say: Translator) -> Iterator[str]:
         seconds=say.compact_number(of.duration), rate=say.compact_number(of.recording.rate),
     )  # fmt: skip
     for note in of.recording.notes:
-        yield say("  note: {note}", note=say.error(say.translate_if_known(note)))
+        yield say("  note: {note}", note=recording_note_text(note, say))
 
 
 ROLES_THAT_MOVE: tuple[ChannelRole, ...] = ("gauge", "speed", "engine", "tacho", "torque")

@@ -342,7 +342,7 @@ def text_lines(of: RecordingAssessment, say: Translator = ENGLISH) -> Iterator[s
         hours=say.compact_number(duration / hour, 4), rate=say.compact_number(recording.rate),
     )  # fmt: skip
     for note in recording.notes:
-        yield say("  note: {note}", note=say.error(say.translate_if_known(note)))
+        yield say("  note: {note}", note=recording_note_text(note, say))
     for line in channel_fault_lines(recording, lives, say):
         yield f"  {line}"
     yield ""
@@ -591,13 +591,23 @@ def declaration_doubt_lines(one: GaugeAssessment, say: Translator) -> Iterator[s
         )
 
 
+def recording_note_text(note: str, say: Translator) -> str:
+    """Return a note on a recording, its numbers as the language writes them."""
+    return say.localise_numbers(say.error(say.translate_if_known(note)))
+
+
+def valid_share_text(share: float, say: Translator) -> str:
+    """Return a share in tenths of a per cent, cut: what is not whole is not shown as whole."""
+    return say.percentage(math.floor(round(share * 1e3, 6)) / 1e3, 1)
+
+
 def valid_data_line(one: GaugeAssessment, say: Translator) -> str:
     """Return how much of the time a gauge has valid data; "" if all of it."""
     if one.quality.live_share >= MAX_REPORTED_VALID_SHARE:
         return ""
     return say(
         "{gauge}: {share} valid data; the life is of that time",
-        gauge=one.name, share=say.percentage(one.quality.live_share, 1),
+        gauge=one.name, share=valid_share_text(one.quality.live_share, say),
     )  # fmt: skip
 
 

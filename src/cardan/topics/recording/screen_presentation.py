@@ -108,7 +108,7 @@ def screen_lines(
     above = [
         *_title_lines(found, of, say, width),
         *fold_lines([_read_text(found, of, say)], width),
-        *_limit_lines(found, say, width),
+        *fold_lines(limit_sentences(found, say), width),
         *_table_lines(gauges, say, width),
         *_largest_cause_lines(gauges, say, width),
     ]
@@ -184,7 +184,7 @@ def _read_text(found: Found, of: RecordingAssessment | CampaignAssessment, say: 
     return say("Read: {what}", what="; ".join(read))
 
 
-def _limit_lines(found: Found, say: Translator, width: int) -> Iterator[str]:
+def limit_sentences(found: Found, say: Translator) -> Iterator[str]:
     """Yield each limit, how many gauges have which grade, and the worst value."""
     checks: dict[object, list[Check]] = {}
     for c in found.checks:
@@ -200,13 +200,13 @@ def _limit_lines(found: Found, say: Translator, width: int) -> Iterator[str]:
             say.count("{count} met", "{count} met", number["pass"]),
         )  # fmt: skip
         name = uncapitalised(say.name(worst.quantity))
-        text = say(
+        value = f"{value_text(worst, say)} {unit_text(worst)}".rstrip()
+        yield say(
             "Limit: {limit}: {counts}; worst {worst}",
             limit=f"{name} {limit_text(worst, say)}",
             counts=counts,
-            worst=f"{say.part(worst.part)}: {value_text(worst, say)}",
+            worst=f"{say.part(worst.part)}: {value}",
         )
-        yield from fold_lines([text], width)
 
 
 # --------------------------------------------------------------------------- gauges
@@ -360,7 +360,7 @@ def _data_items(
         ranked += [(0, line) for one in of.lives for line in report.mix_caveat_lines(one, say)]
     for name, part in parts:
         for note in part.recording.notes:
-            text = say("  note: {note}", note=say.error(say.translate_if_known(note)))
+            text = say("  note: {note}", note=report.recording_note_text(note, say))
             ranked.append((NOTE_RANK, say.join(name, text.strip())))
         for reading in part.alternative_readings:
             ranked += [(3, line) for line in report.bus_error_lines(reading, say)]

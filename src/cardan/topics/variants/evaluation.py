@@ -97,7 +97,7 @@ class LimitResults:
     grades : (L, V)
     missed : (L, V)
     bounded : (L, V)
-        Whether a value that does not fail is a lower bound: rubber is at its stop there.
+        Whether the worst value is a lower bound: rubber is at its stop in some state.
     mass : (V,) kg
         Of all shafts; nan where one has no tube.
     infeasible : (V,)
@@ -745,7 +745,7 @@ def _answers(
         grades[k] = worst
         missed[k] = alike[0].limit.required & (asks & ~known).any(axis=-1)
         beyond = _side_by_side([q.validity_margin for q in alike]) < -MARGIN_TOLERANCE
-        bounded[k] = (known & beyond & (graded != CHECK_GRADES.index("fail"))).any(axis=-1)
+        bounded[k] = (known & beyond).any(axis=-1)
     mass = sum((np.asarray(s.mass, dtype=float) for s in response.line.shafts), np.zeros(()))
     return LimitResults(
         values=values,

@@ -10,6 +10,7 @@ from cardan.core.verdict import CHECK_GRADES, VERDICTS, Limit
 from cardan.render.blocks import Table
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import VERDICT_TEXTS
+from cardan.render.screen_layout import percent_text
 from cardan.render.terminal import report_table_lines
 from cardan.topics.variants.evaluation import UNEVALUATED_GRADE_CODE
 from cardan.topics.variants.rare_failure import MAX_FAILURE_DISTANCE_SD
@@ -143,6 +144,12 @@ def yield_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterat
 
 def doubt_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterator[str]:
     """Yield what limits the trust in the results, and how they were obtained."""
+    if not of.variants.ask.yield_only and (most := of.lower_bound_shares.max(initial=0.0)):
+        yield say(
+            "≤ upper bound of a margin: in {share} of the variants rubber goes beyond its stop, "
+            "and forces are lower bounds; `cardan check` of one design solves them.",
+            share=percent_text(float(most), say),
+        )
     if of.sampling_plan.method == "even":
         yield say(
             "The points are spread evenly, so the interval is wider than need be; give "
@@ -245,13 +252,6 @@ def terminal_lines(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterato
         yield say("Maps and histograms are drawn by --html.")
 
 
-def percent_text(value: float, say: Translator, digits: int = 1) -> str:
-    """Return a share in per cent; what is not none or all of them never reads so."""
-    while 0 < value < 1 and digits < 9 and float(f"{100 * value:.{digits}f}") in (0, 100):
-        digits += 1
-    return say.with_decimal_sign(f"{100 * value:.{digits}f} %")
-
-
 def percent_text_as_stated(value: float, say: Translator) -> str:
     """Return a share as it was given, in per cent."""
     return say.with_decimal_sign(f"{100 * value:.9g} %")
@@ -351,13 +351,23 @@ def limit_label(of: VariantStudyResult, k: int, say: Translator) -> str:
     return say.join(line if several else "", limit_name(limit, say))
 
 
+def limit_margins(of: VariantStudyResult, k: int) -> tuple[float, float]:
+    """Return the smallest and the median margin to a limit."""
+    values, column = of.statistics["values"], len(of.limits) + k
+    return float(values["least"][column]), quantile(values, column, 0.5)
+
+
+def bound_mark(of: VariantStudyResult, k: int) -> str:
+    """Return the mark of margins that are upper bounds, because values are lower bounds."""
+    return "≤ " if of.lower_bound_shares[k] else ""
+
+
 def _limits(of: VariantStudyResult, say: Translator) -> Table:
     counts, values, asked = (
         of.statistics["counts"],
         of.statistics["values"],
         of.variants.ask.quantiles,
     )
-    number = len(of.limits)
     grades = counts["grades"] / of.independent_count
 
     def row(k: int) -> tuple[str, ...]:
@@ -366,8 +376,7 @@ def _limits(of: VariantStudyResult, say: Translator) -> Table:
             limit_label(of, k, say),
             *(percent_text(grades[k, g], say) for g in range(3)),
             percent_text(counts["alone"][k] / of.independent_count, say),
-            say.margin_percent(float(values["least"][number + k])),
-            say.margin_percent(quantile(values, number + k, 0.5)),
+            *(bound_mark(of, k) + say.margin_percent(m) for m in limit_margins(of, k)),
             *(say.number(quantile(values, k, q) / factor) for q in asked),
         )
 

@@ -11,13 +11,13 @@ from cardan.core.verdict import VERDICTS, Limit, worst_first_key
 from cardan.render import svg
 from cardan.render.chart import Chart, LimitBand, axis_range
 from cardan.render.i18n import ENGLISH, Translator
+from cardan.render.screen_layout import percent_text
 from cardan.render.svg import SECONDARY_COLOUR, SERIES_COLOURS, TEXT_COLOUR, VERDICT_COLOURS, Figure
 from cardan.topics.variants.presentation import (
     MAX_SHOWN_LIMITS,
     factor_label,
     limit_name,
     limits_by_failures,
-    percent_text,
     sobol_column_label,
     sobol_columns,
 )

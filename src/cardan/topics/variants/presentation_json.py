@@ -167,6 +167,7 @@ def _limit(of: VariantStudyResult, k: int) -> dict[str, Any]:
         "maximum": None if limit.maximum is None else limit.maximum / q.si_factor,
         "shares": dict(zip(("pass", "warn", "fail", "no answer"), grades, strict=True)),
         "fails_alone": float(counts["alone"][k] / of.independent_count),
+        "lower_bounds": float(of.lower_bound_shares[k]),
         "least": float(values["least"][k] / q.si_factor),
         "most": float(values["most"][k] / q.si_factor),
         "smallest_margin": float(values["least"][number + k]),

@@ -10,8 +10,8 @@ from cardan.render.blocks import (
 )
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import document_stamp_facts, verdict_word
+from cardan.render.screen_layout import percent_text
 from cardan.topics.variants.presentation import (
-    percent_text,
     remark_lines,
     result_tables,
     summary_line,

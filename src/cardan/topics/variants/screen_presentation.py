@@ -12,27 +12,29 @@ from cardan.render.screen_layout import (
     capped_item_lines,
     capped_list_lines,
     more_text,
+    percent_text,
     share_text,
     title_and_verdict_lines,
 )
 from cardan.render.terminal import bold
 from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, table_lines
 from cardan.topics.variants.presentation import (
+    bound_mark,
     deciding_limit_name,
     doubt_sentences,
     factor_label,
     limit_label,
+    limit_margins,
     limit_name,
     limits_by_failures,
     once_in_text,
-    percent_text,
     sobol_column_label,
     sobol_columns,
     spread_text,
     stopped_sentences,
     yield_sentences,
 )
-from cardan.topics.variants.statistics import halved_tolerance_yields, quantile, sobol_indices
+from cardan.topics.variants.statistics import halved_tolerance_yields, sobol_indices
 from cardan.topics.variants.study_result import VariantStudyResult
 
 MAX_LINES = 32
@@ -107,9 +109,8 @@ def _limit_lines(of: VariantStudyResult, say: Translator, width: int, most: int)
 
     The table has at most `most` lines; the rest is counted below it.
     """
-    order, values = limits_by_failures(of), of.statistics["values"]
-    counts, number = of.statistics["counts"], len(of.limits)
-    grades = counts["grades"] / of.independent_count
+    order = limits_by_failures(of)
+    grades = of.statistics["counts"]["grades"] / of.independent_count
     failing = sum(grades[k, 2] > 0 for k in order)
     head = (
         "", say("limit"), say("fails"), say("smallest margin"),
@@ -120,8 +121,7 @@ def _limit_lines(of: VariantStudyResult, say: Translator, width: int, most: int)
             GRADE_MARKS["fail" if grades[k, 2] else "warn" if grades[k, 1] else "pass"],
             limit_label(of, k, say),
             percent_text(grades[k, 2], say),
-            _margin_text(float(values["least"][number + k]), say),
-            _margin_text(quantile(values, number + k, 0.5), say),
+            *(bound_mark(of, k) + _margin_text(m, say) for m in limit_margins(of, k)),
         )
         for k in order
     ]  # fmt: skip

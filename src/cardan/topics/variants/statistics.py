@@ -93,7 +93,8 @@ class VerdictCounts:
     """How many variants come to what; of those drawn by themselves.
 
     Of each limit besides: to which grade (pass, warn, fail, not evaluated), how often it is the
-    only one to fail, and how often its margin is the smallest. `stopped` are those that a cheap
+    only one to fail, how often its margin is the smallest, and how often its value is a lower
+    bound. `stopped` are those that a cheap
     limit failed, of which other limits know nothing.
     """
 
@@ -116,6 +117,7 @@ class VerdictCounts:
             "first": least,
             "refused": np.array(a.infeasible[own].sum()),
             "bounded": np.array(rows.shown_by_bounds_alone[own].sum()),
+            "lower_bounds": a.bounded[:, own].sum(-1),
             "stopped": np.array(a.stopped[own].sum()),
         }
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from cardan.approval.approval import Approval
+from cardan.core.arrays import FloatArray
 from cardan.core.verdict import VERDICTS, Limit, Verdict
 from cardan.model.variants import VariantStudy
 from cardan.topics.variants.evaluation import (
@@ -163,6 +164,11 @@ class VariantStudyResult:
     def lower_bound_share(self) -> float:
         """The share of variants that do not fail, and have a value that is a lower bound alone."""
         return int(self.statistics["counts"]["bounded"]) / self.independent_count
+
+    @property
+    def lower_bound_shares(self) -> FloatArray:
+        """The share of variants (L,) in which the value of each limit is a lower bound."""
+        return self.statistics["counts"]["lower_bounds"] / self.independent_count
 
     @property
     def yield_(self) -> float:

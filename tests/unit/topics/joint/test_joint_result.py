@@ -11,6 +11,7 @@ import cardan
 from cardan.cli import cli
 from cardan.core.errors import DesignError, MissingDependencyError
 from cardan.render.i18n import LANGUAGE_CODES, Translator
+from cardan.render.pdf import column_head
 from cardan.render.text_layout import without_colours
 from cardan.topics.joint import result_presentation as presentation
 
@@ -195,3 +196,14 @@ def test_plot_draws_output_and_shaft_between(monkeypatch):
 def test_argument_in_wrong_unit_is_named(arguments, said):
     with pytest.raises(DesignError, match=said):
         cardan.joint(**arguments)
+
+
+@pytest.mark.parametrize("code", LANGUAGE_CODES)
+def test_no_two_columns_of_a_document_have_the_same_head(code):
+    """The heads of the two yokes were cut to the same letters, and lost their unit."""
+    say = Translator(code)
+    for more in ({}, {"angle2": "6deg"}):
+        table = presentation.turn_table(cardan.joint("8deg", "2000rpm", **more), say)
+        heads = [column_head(head, number=True) for head in table.head]
+        assert len(set(heads)) == len(heads)
+        assert all(head.endswith("]") for head in heads)

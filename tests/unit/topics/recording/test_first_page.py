@@ -14,7 +14,7 @@ from cardan.physics.fatigue.damage import miner_damage
 from cardan.physics.fatigue.mean_stress import uncorrected
 from cardan.physics.fatigue.sn_curve import SNCurve
 from cardan.physics.signals.recording import Channel, recording_from_arrays
-from cardan.render.blocks import BulletList, Figures, ReportDateAndSourceStamp, Table
+from cardan.render.blocks import BulletList, Figures, ReportDateAndSourceStamp, Table, Text
 from cardan.render.chart import logarithmic_ticks, power_of_ten_text
 from cardan.render.html import html_page
 from cardan.render.i18n import LANGUAGE_CODES, Translator
@@ -233,6 +233,14 @@ def test_first_page_has_life_cause_and_four_figures(found, code):
     largest = governing_gauge(found, gauge_results(found)).cycles.amplitude.max() / MPa
     assert say.compact_number(largest, 3) in drawn[2].note
     assert say.percentage(found.answer.figures.histories[0].damage_shares.max()) in drawn[3].note
+
+
+def test_first_page_has_the_life_required():
+    """The page to sign had the verdict and the life, and not the hours it is compared with."""
+    blocks = first_page_chapter(study(stress(), target_hours=1e9), SAY).blocks
+    (said,) = (p for b in blocks if isinstance(b, Text) for p in b.paragraphs)
+    assert said.startswith("Limit: fatigue life min 1e+09 h: 1 exceeded, 0 met; worst S1: ")
+    assert said.endswith(" h")
 
 
 def test_rejected_gauge_is_shown_without_a_life():

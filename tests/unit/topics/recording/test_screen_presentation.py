@@ -25,6 +25,7 @@ from cardan.physics.signals.recording import recording_from_arrays
 from cardan.render.i18n import LANGUAGE_CODES, Translator
 from cardan.render.text_layout import without_colours
 from cardan.topics.recording.options import AnalysisOptions
+from cardan.topics.recording.presentation import recording_note_text, valid_share_text
 from cardan.topics.recording.recording_assessment import RecordingAssessment
 from cardan.topics.recording.screen_presentation import MAX_LINES, screen_lines
 from cardan.topics.recording.study import RecordingStudy
@@ -140,3 +141,14 @@ def test_screen_of_many_gauges_and_doubts_stays_one_screen():
         assert len(lines) <= MAX_LINES == 32, code
         assert max(map(len, lines)) <= 80, code
         assert " ".join(lines).count("(--all)") >= 3, code
+
+
+def test_valid_share_and_notes_read_as_in_the_list_of_channels():
+    """Of 98.78 % the list of channels said 98.7 %, and the screen of lives 98.8 %."""
+    assert valid_share_text(0.98779, Translator("en")) == "98.7 %"
+    assert valid_share_text(1.0, Translator("en")) == "100.0 %"
+    note = (
+        "n: no speed for 2.19 s, longest hole 2.19 s, the first at 61.01 s: damage there is of "
+        "no band of speed"
+    )
+    assert "2,19 s, la prima a 61,01 s" in recording_note_text(note, Translator("it"))

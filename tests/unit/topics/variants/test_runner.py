@@ -34,6 +34,7 @@ from cardan.core.errors import CardanError, FileIssue, InvalidFileError
 from cardan.core.verdict import CHECK_GRADES, VERDICTS, worst_first_key
 from cardan.model.variants import VariantOutputs, VariantStudy, VariedNumber
 from cardan.render.i18n import ENGLISH, LANGUAGE_CODES
+from cardan.render.screen_layout import percent_text
 from cardan.render.svg import VERDICT_COLOURS
 from cardan.topics.variants import presentation, presentation_figures
 from cardan.topics.variants import statistics as reduce
@@ -46,7 +47,6 @@ from cardan.topics.variants.evaluation import (
 from cardan.topics.variants.executors import ProcessExecutor, _call_to_file, open_executor
 from cardan.topics.variants.presentation import (
     damaged_shards_text,
-    percent_text,
     result_tables,
     terminal_lines,
 )
