@@ -200,6 +200,83 @@ def test_wrong_vecto_job_is_rejected_with_file_key_and_value(job, tmp_path, file
     assert not (tmp_path / "truck.yaml").exists()
 
 
+@pytest.mark.parametrize(
+    ("file", "changes"),
+    [
+        ("parts/e.vfld", {"speed [1/min]": "speed [rad/s]", "600,400": f"{600 * rpm},400",
+                          "1200,900": f"{1200 * rpm},900", "1600,900": f"{1600 * rpm},900",
+                          "2000,790": f"{2000 * rpm},790", "2300,600": f"{2300 * rpm},600",
+                          "2400,0": f"{2400 * rpm},0"}),
+        ("parts/e.vfld", {"load torque [Nm]": "load torque [kNm]", ",400,": ",0.4,",
+                          ",900,": ",0.9,", ",790,": ",0.79,", ",600,": ",0.6,"}),
+        ("parts/e.vfld", {"motoring torque [Nm]": "motoring torque [kN m]", "-35": "-0.035",
+                          "-49": "-.049", "-59": "-.059", "-68": "-.068", "-110": "-.11",
+                          "-116": "-0.116"}),
+        ("parts/e.vfld", {"[1/min]": "[rpm]", "[Nm]": "(N*m)"}),
+        ("parts/e.vfld", {"engine speed [1/min]": "n", "full load torque [Nm]": "Mfull"}),
+        ("one.vtlm", {"Input Torque [Nm]": "Input Torque [kNm]", "900": "0.9", "1400": "1.4"}),
+        ("one.vtlm", {"Torque Loss [Nm]": "Torque Loss [kNm]", "36": "0.036", "27": "0.027",
+                      "50": "0.050"}),
+        ("one.vtlm", {"Input Torque [Nm]": "into [kNm]", "900": "0.9", "1400": "1.4"}),
+    ],
+)  # fmt: skip
+def test_tables_of_a_vecto_job_are_read_in_units_of_headings(job, tmp_path, file, changes):
+    run("new", tmp_path / "usual.yaml", "--vecto", job)
+    for was, now in changes.items():
+        changed(job.parent / file, was, now)
+    made = run("new", tmp_path / "other.yaml", "--vecto", job)
+    assert made.exit_code == 0, made.stderr
+    usual, other = ((tmp_path / f"{n}.yaml").read_text("utf-8") for n in ("usual", "other"))
+    assert other == usual
+
+
+@pytest.mark.parametrize(
+    ("file", "was", "now", "said"),
+    [
+        ("parts/e.vfld", "load torque [Nm]", "load torque [lbft]", "e.vfld:1: full load torque: "
+         "the heading names a unit that this column cannot have (got lbft); one of Nm"),
+        ("parts/e.vfld", "load torque [Nm]", "load torque [kW]", "full load torque: "),
+        ("parts/e.vfld", "speed [1/min]", "speed [km/h]", "engine speed: "),
+        ("parts/e.vfld", "motoring torque [Nm]", "motoring torque [%]", "motoring torque: "),
+        ("one.vtlm", "Input Torque [Nm]", "Input Torque [kW]", "input torque: "),
+        ("one.vtlm", "Torque Loss [Nm]", "Torque Loss [kW]", "one.vtlm:1: torque loss: "),
+        ("tc.vtcc", "Speed Ratio [-]", "Speed [1/min]", "tc.vtcc:2: Speed Ratio: "),
+        ("tc.vtcc", "Torque Ratio [-]", "Torque Ratio [Nm]", "Torque Ratio: "),
+    ],
+)  # fmt: skip
+def test_unit_that_a_column_of_a_vecto_job_cannot_have_is_rejected(
+    job, tmp_path, file, was, now, said
+):
+    with_converter(job)
+    changed(job.parent / file, was, now)
+    made = run("new", tmp_path / "truck.yaml", "--vecto", job)
+    assert made.exit_code == 2
+    assert said in made.stderr
+    assert not (tmp_path / "truck.yaml").exists()
+
+
+def test_stall_ratio_of_a_converter_is_read_in_unit_of_its_heading(job, tmp_path):
+    with_converter(job)
+    run("new", tmp_path / "usual.yaml", "--vecto", job)
+    changed(job.parent / "tc.vtcc", "Torque Ratio [-]", "Torque Ratio [%]")
+    changed(job.parent / "tc.vtcc", ",1.93", ",193")
+    changed(job.parent / "tc.vtcc", ",1.0,", ",100,")
+    run("new", tmp_path / "other.yaml", "--vecto", job)
+    for name in ("usual", "other"):
+        application = reader.read(tmp_path / f"{name}.yaml")
+        assert application.gearbox.converter_ratio == pytest.approx(1.93)
+
+
+def with_converter(job: Path) -> None:
+    changed(
+        job.parent / "a.vgbx", '"Enabled": false', '"Enabled": true,\n"File": "tc.vtcc"'
+    )
+    (job.parent / "tc.vtcc").write_text(
+        "# invented\nSpeed Ratio [-],Torque Ratio [-],Input Torque [Nm]\n0,1.93,377\n1,1.0,0\n",
+        "utf-8",
+    )
+
+
 def test_electric_vecto_job_is_rejected(job, tmp_path):
     changed(job, '"VehicleFile"', '"ElectricMotors": [{}],\n"VehicleFile"')
     made = run("new", tmp_path / "truck.yaml", "--vecto", job)
