@@ -444,6 +444,17 @@ def test_hardpoints_of_csv_and_spreadsheet_move_line(tmp_path, table):
     )
 
 
+@pytest.mark.parametrize("sign", [",", ";", "\t", "|"])
+def test_sign_that_excel_names_above_a_table_divides_it(tmp_path, sign):
+    table = converted(POINTS, sign, ".").replace("joint 3", "joint 5")
+    (tmp_path / "plain.csv").write_text(POINTS, "utf-8")
+    (tmp_path / "p.csv").write_text(f"SEP={sign}\r\n{table}", "utf-8")
+    points, plain = (read_hardpoints(tmp_path / f"{n}.csv") for n in ("p", "plain"))
+    assert [p.position for p in points] == [p.position for p in plain]
+    made = run("new", tmp_path / "truck.yaml", "--hardpoints", tmp_path / "p.csv")
+    assert "p.csv:6: names no point of this line (got joint 5)" in made.stderr
+
+
 def test_quoted_decimal_comma_of_hardpoints_is_one_number(tmp_path):
     table = POINTS.replace("1250,0,-60.5", '"1250,5",0,"-60,5"')
     (tmp_path / "p.csv").write_text(table, "utf-8")
