@@ -1,6 +1,7 @@
 """Tables as spreadsheets copy and save them: cells, the decimal sign and units of length."""
 
 import csv
+import re
 from collections.abc import Mapping
 
 from cardan.application.paste_import import interpretations_of_ambiguous_number
@@ -10,11 +11,14 @@ from cardan.core.units import Metre, ft, inch, m, mm
 LENGTH_UNITS: Mapping[str, Metre] = {"mm": mm, "cm": 10 * mm, "m": m, "in": inch, "ft": ft}
 """Units of length that a heading may name, in lower case, m."""
 
+_NAMED_SIGN = re.compile(r"sep=([\t;,|])", re.IGNORECASE)
+
 
 def divided_rows(text: str, source: str) -> list[tuple[int, list[str]]]:
     """Return the cells of each row that has any, by the sign that divides the first, with its line.
 
-    Tabs divide where there is one, else semicolons, else commas; none divides within quotes.
+    Tabs divide where there is one, else semicolons, else commas; none divides within quotes. A
+    line `sep=;` before them names the sign, as Excel writes and reads it.
 
     Raises
     ------
@@ -22,9 +26,14 @@ def divided_rows(text: str, source: str) -> list[tuple[int, list[str]]]:
         If the quotes of a row do not match; `source` is the table's name.
     """
     lines = text.splitlines(keepends=True)
-    first = next((one for one in lines if one.strip()), "")
-    bare = "".join(first.split('"')[::2])
-    sign = next((s for s in ("\t", ";") if s in bare), ",")
+    at = next((k for k, one in enumerate(lines) if one.strip()), 0)
+    first = lines[at] if lines else ""
+    if named := _NAMED_SIGN.fullmatch(first.rstrip("\r\n")):
+        sign = named[1]
+        lines[at] = "\n"
+    else:
+        bare = "".join(first.split('"')[::2])
+        sign = next((s for s in ("\t", ";") if s in bare), ",")
     rows = csv.reader(lines, delimiter=sign, skipinitialspace=sign != "\t", strict=True)
     found: list[tuple[int, list[str]]] = []
     line = 1

@@ -4,24 +4,22 @@ Sources: VECTO User Manual, chapter on modal results (.vmod): each row is the me
 for VECTO 2, results of its 40 t truck that the Commission published with VECTO 3 beta.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
 
 from cardan.application.duty_collective import DutyCollective, duty_collective
-from cardan.application.vecto_files import VectoTable, read_table
+from cardan.application.vecto_files import (
+    POWER,
+    ROAD_SPEED,
+    ROTATION_SPEED,
+    TIME,
+    TORQUE,
+    VectoTable,
+    read_table,
+)
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import DesignError, FileIssue, InvalidFileError
-from cardan.core.units import kW, rpm
-from cardan.physics.signals.channel_units import (
-    RADIANS_PER_TURN,
-    ROTATION_SPEED_UNITS,
-    TORQUE_UNITS,
-    VEHICLE_SPEED_UNITS,
-    usual_unit,
-)
-from cardan.schema.yaml_tree import to_one_line
 
 _COLUMNS = frozenset({
     "time", "dt", "v_act", "n_gbx_out_avg", "t_gbx_out", "p_axle_in", "pwheel", "pbrake",
@@ -30,21 +28,10 @@ _COLUMNS = frozenset({
 _ASKED = (
     "T_gbx_out and n_gbx_out_avg", "P_axle_in and v_act", "Pwheel, Pbrake, Ploss Diff and v_act",
 )  # fmt: skip
-_POWER_UNITS = {"W": 1.0, "kW": kW, "MW": 1e6}
-_TURNING_UNITS = {unit: RADIANS_PER_TURN * turns for unit, turns in ROTATION_SPEED_UNITS.items()}
-_TIME_UNITS = {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
-_UNIT_AND_FACTORS: Mapping[str, tuple[float, Mapping[str, float]]] = {
-    "time": (1.0, _TIME_UNITS),
-    "dt": (1.0, _TIME_UNITS),
-    "v_act": (1 / 3.6, VEHICLE_SPEED_UNITS),
-    "n_gbx_out_avg": (rpm, _TURNING_UNITS),
-    "T_gbx_out": (1.0, TORQUE_UNITS),
-    "P_axle_in": (kW, _POWER_UNITS),
-    "Pwheel": (kW, _POWER_UNITS),
-    "Pbrake": (kW, _POWER_UNITS),
-    "Ploss Diff": (kW, _POWER_UNITS),
-}
-"""SI value of VECTO's own unit, for headings without one, and of each that a heading may name."""
+_UNITS = {
+    "time": TIME, "dt": TIME, "v_act": ROAD_SPEED, "n_gbx_out_avg": ROTATION_SPEED,
+    "T_gbx_out": TORQUE, "P_axle_in": POWER, "Pwheel": POWER, "Pbrake": POWER, "Ploss Diff": POWER,
+}  # fmt: skip
 
 
 def read_simulated_duty(
@@ -110,17 +97,4 @@ def _axle_power(table: VectoTable) -> tuple[FloatArray | None, str]:
 
 def _in_si(table: VectoTable, name: str) -> FloatArray | None:
     """Return a column in SI by the unit of its heading, (rows,); None where there is none."""
-    values = table.find(name)
-    if values is None:
-        return None
-    usual, units = _UNIT_AND_FACTORS[name]
-    said = table.unit(name)
-    unit = usual_unit(said)
-    factor = units.get(unit) if unit else usual
-    if factor is None:
-        issue = FileIssue(
-            message="the heading names a unit that this column cannot have",
-            key=name, value=to_one_line(said)[:40], hint=f"one of {', '.join(units)}",
-        )  # fmt: skip
-        raise InvalidFileError(str(table.path), (issue,))
-    return values * factor
+    return table.find_in_si(name, unit=_UNITS[name])

@@ -8,20 +8,28 @@ import re
 from collections.abc import Container, Iterable, Mapping
 from math import isfinite, isinf
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import FileIssue, InvalidFileError
 from cardan.core.lazy_dataclass import dataclass
+from cardan.core.units import kW, rpm
+from cardan.physics.signals.channel_units import (
+    RADIANS_PER_TURN,
+    ROTATION_SPEED_UNITS,
+    TORQUE_UNITS,
+    VEHICLE_SPEED_UNITS,
+    usual_unit,
+)
 from cardan.schema.yaml_tree import read_text, to_one_line
 
 MAX_TABLE_CHARACTERS = 200_000_000
 """A year of driving at one row a second has a tenth of this."""
 
 _NO_FILE = ("", "<NOFILE>")
-_UNIT = re.compile(r"\s*[\[<(].*")
+_UNIT = re.compile(r"\s*[\[<(]([^\])>]*).*")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -169,40 +177,79 @@ def read_part(path: Path) -> VectoPart:
     return VectoPart(path=path, text=text, body=body)
 
 
+class ColumnUnit(NamedTuple):
+    """SI value of VECTO's own unit of a column, and of each unit that its heading may name."""
+
+    usual: float
+    allowed: Mapping[str, float]
+
+
+_TURNING_UNITS = {unit: RADIANS_PER_TURN * turns for unit, turns in ROTATION_SPEED_UNITS.items()}
+ROTATION_SPEED = ColumnUnit(rpm, _TURNING_UNITS)
+TORQUE = ColumnUnit(1.0, TORQUE_UNITS)
+POWER = ColumnUnit(kW, {"W": 1.0, "kW": kW, "MW": 1e6})
+ROAD_SPEED = ColumnUnit(VEHICLE_SPEED_UNITS["km/h"], VEHICLE_SPEED_UNITS)
+TIME = ColumnUnit(1.0, {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0})
+RATIO = ColumnUnit(1.0, {"1": 1.0, "%": 1e-2})
+
+
 @dataclass(frozen=True, kw_only=True)
 class VectoTable:
-    """A table of VECTO: `values` (rows, columns), nan in empty cells; units are in `headings`."""
+    """A table of VECTO: `values` (rows, columns), nan in empty cells; units are in `headings`.
+
+    `heading_line` is the line of the headings, 0 without them.
+    """
 
     path: Path
     headings: tuple[str, ...]
+    heading_line: int
     values: FloatArray
 
-    def find(self, *names: str) -> FloatArray | None:
-        """Return the first column that has one of these names, units and case aside, (rows,)."""
-        bare = [bare_heading(h) for h in self.headings]
-        at = next((bare.index(n.casefold()) for n in names if n.casefold() in bare), None)
-        return None if at is None else self.values[:, at]
-
-    def unit(self, name: str) -> str:
-        """Return the unit that the heading of a column names, as it is written; "" for none."""
-        heading = next((h for h in self.headings if bare_heading(h) == name.casefold()), "")
-        found = _UNIT.search(heading)
-        return found[0].strip(" []<>()") if found else ""
-
-    def column(self, *names: str, place: int) -> FloatArray:
-        """Return a column by its names, or by its place where no heading has one of them.
+    def find_in_si(self, *names: str, unit: ColumnUnit) -> FloatArray | None:
+        """Return a column by its names in SI, (rows,); None if no heading has one of them.
 
         Raises
         ------
         InvalidFileError
-            If there is no such column, or a cell of it is empty.
+            If its heading names a unit that the column cannot have.
         """
-        found = self.find(*names)
-        if found is None and place < self.values.shape[1]:
-            found = self.values[:, place]
-        if found is None or np.isnan(found).any():
+        at = self._place(names)
+        return None if at is None else self._in_si(at, names[0], unit)
+
+    def column_in_si(self, *names: str, place: int, unit: ColumnUnit) -> FloatArray:
+        """Return a column in SI by its names, or by its place if no heading has one of them.
+
+        Raises
+        ------
+        InvalidFileError
+            If there is no such column, a cell of it is empty, or its heading names a unit that the
+            column cannot have.
+        """
+        at = self._place(names)
+        if at is None and place < self.values.shape[1]:
+            at = place
+        if at is None or np.isnan(self.values[:, at]).any():
             raise self.missing(names)
-        return found
+        return self._in_si(at, names[0], unit)
+
+    def _place(self, names: Iterable[str]) -> int | None:
+        bare = [bare_heading(h) for h in self.headings]
+        return next((bare.index(n.casefold()) for n in names if n.casefold() in bare), None)
+
+    def _in_si(self, at: int, name: str, unit: ColumnUnit) -> FloatArray:
+        """Return a column, (rows,), times its unit; `name` stands in the error."""
+        found = _UNIT.search(self.headings[at]) if self.headings else None
+        said = found[1].strip() if found else ""
+        usual = usual_unit(said)
+        factor = unit.allowed.get(usual) if usual else unit.usual
+        if factor is None:
+            issue = FileIssue(
+                message="the heading names a unit that this column cannot have",
+                key=name, value=to_one_line(said)[:40], hint=f"one of {', '.join(unit.allowed)}",
+                line=self.heading_line,
+            )  # fmt: skip
+            raise InvalidFileError(str(self.path), (issue,))
+        return self.values[:, at] * factor
 
     def missing(self, names: Iterable[str]) -> InvalidFileError:
         """Return the error about a column that is not there or has empty cells."""
@@ -229,6 +276,7 @@ def read_table(path: Path, *, only: Container[str] | None = None) -> VectoTable:
     """
     text = _read_long_text(path)
     headings: tuple[str, ...] = ()
+    heading_line = 0
     rows: list[list[float]] = []
     passed_over: list[int] = []
     for line, said in enumerate(text.splitlines(), 1):
@@ -241,7 +289,7 @@ def read_table(path: Path, *, only: Container[str] | None = None) -> VectoTable:
                 cells[k] = ""
         values = [_number(c) for c in cells]
         if not rows and not headings and any(v is None for v in values):
-            headings = tuple(cells)
+            headings, heading_line = tuple(cells), line
             passed_over = [
                 k
                 for k, h in enumerate(headings)
@@ -260,7 +308,9 @@ def read_table(path: Path, *, only: Container[str] | None = None) -> VectoTable:
         rows.append([v for v in values if v is not None])
     if not rows:
         raise InvalidFileError(str(path), (FileIssue(message="holds no row of numbers"),))
-    return VectoTable(path=path, headings=headings, values=np.array(rows))
+    return VectoTable(
+        path=path, headings=headings, heading_line=heading_line, values=np.array(rows)
+    )
 
 
 def bare_heading(heading: str) -> str:

@@ -12,7 +12,15 @@ from typing import Any
 import numpy as np
 
 from cardan.application.typical_values import find_csv_row_by_name
-from cardan.application.vecto_files import JobValue, VectoPart, read_part, read_table
+from cardan.application.vecto_files import (
+    RATIO,
+    ROTATION_SPEED,
+    TORQUE,
+    JobValue,
+    VectoPart,
+    read_part,
+    read_table,
+)
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.units import mm, rpm
 
@@ -147,9 +155,10 @@ def _full_load(engine: VectoPart) -> tuple[JobValue, JobValue, JobValue | None]:
     if path is None or not path.is_file():
         engine.refuse("FullLoadCurves", "names a file that does not exist", got=path or "")
     table = read_table(path)
-    speed = table.column("engine speed", "n", place=0)
-    torque = table.column("full load torque", "Mfull", place=1)
-    drag = table.find("motoring torque", "drag torque", "Mdrag")
+    turning = table.column_in_si("engine speed", "n", place=0, unit=ROTATION_SPEED)
+    torque = table.column_in_si("full load torque", "Mfull", place=1, unit=TORQUE)
+    drag = table.find_in_si("motoring torque", "drag torque", "Mdrag", unit=TORQUE)
+    speed = turning / rpm
     last = int(np.flatnonzero(torque > 0)[-1]) + 1 if (torque > 0).any() else 0
     speed, torque = speed[:last], torque[:last]  # beyond it a governor has taken all torque away
     if last < 1 or not (np.diff(speed) > 0).all() or not (torque > 0).all():
@@ -201,8 +210,8 @@ def _efficiency(
     if path is None or not path.is_file():
         return None
     table = read_table(path)
-    into = table.column("input torque", place=1)
-    loss = table.column("torque loss", place=2)
+    into = table.column_in_si("input torque", place=1, unit=TORQUE)
+    loss = table.column_in_si("torque loss", place=2, unit=TORQUE)
     if not (usable := (into > 0) & (into <= torque * (1 + 1e-9)) & (loss < into)).any():
         return None
     at = usable & (into == into[usable].max())
@@ -217,7 +226,8 @@ def _stall_ratio(gearbox: VectoPart) -> JobValue | None:
     if gearbox.get("Enabled", converter) is not True or path is None or not path.is_file():
         return None
     table = read_table(path)
-    speed, ratio = table.column("Speed Ratio", place=0), table.column("Torque Ratio", place=1)
+    speed = table.column_in_si("Speed Ratio", place=0, unit=RATIO)
+    ratio = table.column_in_si("Torque Ratio", place=1, unit=RATIO)
     k = int(np.argmin(np.abs(speed)))
     return JobValue(
         value=max(float(ratio[k]), 1.0), source=f"{path.name} at speed ratio {speed[k]:g}"

@@ -200,6 +200,83 @@ def test_wrong_vecto_job_is_rejected_with_file_key_and_value(job, tmp_path, file
     assert not (tmp_path / "truck.yaml").exists()
 
 
+@pytest.mark.parametrize(
+    ("file", "changes"),
+    [
+        ("parts/e.vfld", {"speed [1/min]": "speed [rad/s]", "600,400": f"{600 * rpm},400",
+                          "1200,900": f"{1200 * rpm},900", "1600,900": f"{1600 * rpm},900",
+                          "2000,790": f"{2000 * rpm},790", "2300,600": f"{2300 * rpm},600",
+                          "2400,0": f"{2400 * rpm},0"}),
+        ("parts/e.vfld", {"load torque [Nm]": "load torque [kNm]", ",400,": ",0.4,",
+                          ",900,": ",0.9,", ",790,": ",0.79,", ",600,": ",0.6,"}),
+        ("parts/e.vfld", {"motoring torque [Nm]": "motoring torque [kN m]", "-35": "-0.035",
+                          "-49": "-.049", "-59": "-.059", "-68": "-.068", "-110": "-.11",
+                          "-116": "-0.116"}),
+        ("parts/e.vfld", {"[1/min]": "[rpm]", "[Nm]": "(N*m)"}),
+        ("parts/e.vfld", {"engine speed [1/min]": "n", "full load torque [Nm]": "Mfull"}),
+        ("one.vtlm", {"Input Torque [Nm]": "Input Torque [kNm]", "900": "0.9", "1400": "1.4"}),
+        ("one.vtlm", {"Torque Loss [Nm]": "Torque Loss [kNm]", "36": "0.036", "27": "0.027",
+                      "50": "0.050"}),
+        ("one.vtlm", {"Input Torque [Nm]": "into [kNm]", "900": "0.9", "1400": "1.4"}),
+    ],
+)  # fmt: skip
+def test_tables_of_a_vecto_job_are_read_in_units_of_headings(job, tmp_path, file, changes):
+    run("new", tmp_path / "usual.yaml", "--vecto", job)
+    for was, now in changes.items():
+        changed(job.parent / file, was, now)
+    made = run("new", tmp_path / "other.yaml", "--vecto", job)
+    assert made.exit_code == 0, made.stderr
+    usual, other = ((tmp_path / f"{n}.yaml").read_text("utf-8") for n in ("usual", "other"))
+    assert other == usual
+
+
+@pytest.mark.parametrize(
+    ("file", "was", "now", "said"),
+    [
+        ("parts/e.vfld", "load torque [Nm]", "load torque [lbft]", "e.vfld:1: full load torque: "
+         "the heading names a unit that this column cannot have (got lbft); one of Nm"),
+        ("parts/e.vfld", "load torque [Nm]", "load torque [kW]", "full load torque: "),
+        ("parts/e.vfld", "speed [1/min]", "speed [km/h]", "engine speed: "),
+        ("parts/e.vfld", "motoring torque [Nm]", "motoring torque [%]", "motoring torque: "),
+        ("one.vtlm", "Input Torque [Nm]", "Input Torque [kW]", "input torque: "),
+        ("one.vtlm", "Torque Loss [Nm]", "Torque Loss [kW]", "one.vtlm:1: torque loss: "),
+        ("tc.vtcc", "Speed Ratio [-]", "Speed [1/min]", "tc.vtcc:2: Speed Ratio: "),
+        ("tc.vtcc", "Torque Ratio [-]", "Torque Ratio [Nm]", "Torque Ratio: "),
+    ],
+)  # fmt: skip
+def test_unit_that_a_column_of_a_vecto_job_cannot_have_is_rejected(
+    job, tmp_path, file, was, now, said
+):
+    with_converter(job)
+    changed(job.parent / file, was, now)
+    made = run("new", tmp_path / "truck.yaml", "--vecto", job)
+    assert made.exit_code == 2
+    assert said in made.stderr
+    assert not (tmp_path / "truck.yaml").exists()
+
+
+def test_stall_ratio_of_a_converter_is_read_in_unit_of_its_heading(job, tmp_path):
+    with_converter(job)
+    run("new", tmp_path / "usual.yaml", "--vecto", job)
+    changed(job.parent / "tc.vtcc", "Torque Ratio [-]", "Torque Ratio [%]")
+    changed(job.parent / "tc.vtcc", ",1.93", ",193")
+    changed(job.parent / "tc.vtcc", ",1.0,", ",100,")
+    run("new", tmp_path / "other.yaml", "--vecto", job)
+    for name in ("usual", "other"):
+        application = reader.read(tmp_path / f"{name}.yaml")
+        assert application.gearbox.converter_ratio == pytest.approx(1.93)
+
+
+def with_converter(job: Path) -> None:
+    changed(
+        job.parent / "a.vgbx", '"Enabled": false', '"Enabled": true,\n"File": "tc.vtcc"'
+    )
+    (job.parent / "tc.vtcc").write_text(
+        "# invented\nSpeed Ratio [-],Torque Ratio [-],Input Torque [Nm]\n0,1.93,377\n1,1.0,0\n",
+        "utf-8",
+    )
+
+
 def test_electric_vecto_job_is_rejected(job, tmp_path):
     changed(job, '"VehicleFile"', '"ElectricMotors": [{}],\n"VehicleFile"')
     made = run("new", tmp_path / "truck.yaml", "--vecto", job)
@@ -367,137 +444,14 @@ def test_hardpoints_of_csv_and_spreadsheet_move_line(tmp_path, table):
     )
 
 
-def test_new_says_what_it_wrote_in_the_language_of_the_option(tmp_path):
-    (tmp_path / "points.csv").write_text(
-        "name;x [mm];y [mm];z [mm]\njoint 1;0;0;0\njoint 2;1250;0;-60\njoint 3;2750;0;-165\n"
-    )
-    out = tmp_path / "nuovo.yaml"
-    assert "nuovo.yaml è stato scritto" in run("new", out, "--lang", "it").output
-    made = run("new", out, "--force", "--hardpoints", tmp_path / "points.csv", "--lang", "pt")
-    assert made.output.startswith("points.csv: 3 pontos.")
-    assert "foi gravado" in made.output
 
 
-def test_quoted_decimal_comma_of_hardpoints_is_one_number(tmp_path):
-    table = POINTS.replace("1250,0,-60.5", '"1250,5",0,"-60,5"')
-    (tmp_path / "p.csv").write_text(table, "utf-8")
-    _, _, third, *_ = read_hardpoints(tmp_path / "p.csv")
-    assert third.position == pytest.approx((1.2505, 0, -0.0605))
-
-
-@pytest.mark.parametrize(
-    ("unit", "metre"), [("mm", 1e-3), ("cm", 1e-2), ("m", 1), ("in", 0.0254), ("ft", 0.3048)]
-)
-def test_hardpoints_are_read_in_each_unit_of_heading(tmp_path, unit, metre):
-    (tmp_path / "p.csv").write_text(POINTS.replace("[mm]", f"[{unit}]"), "utf-8")
-    _, gearbox, *_ = read_hardpoints(tmp_path / "p.csv")
-    assert gearbox.position == pytest.approx((-500 * metre, 0, 35 * metre))
-
-
-def test_hardpoints_name_table_in_place_of_old_source(tmp_path):
-    own, out = tmp_path / "own.yaml", tmp_path / "out.yaml"
-    run("new", own)
-    text = own.read_text("utf-8").replace("# joint centres:", "# measured by hand:")
-    own.write_text(text, "utf-8")
-    (tmp_path / "p.csv").write_text(POINTS, "utf-8")
-    assert run("new", out, "--of", own, "--hardpoints", tmp_path / "p.csv").exit_code == 0
-    assert "[2750, 12, -165]]   # p.csv\n" in out.read_text("utf-8")
-
-
-@pytest.mark.parametrize(
-    ("language", "said"),
-    [("en", "write points_mm in place of slopes"), ("pt", "escreva points_mm no lugar de slopes"),
-     ("it", "scrivere points_mm al posto di slopes")],
-)  # fmt: skip
-def test_hardpoints_for_a_line_of_slopes_name_the_key_to_write(
-    tmp_path, monkeypatch, language, said
-):
-    monkeypatch.setenv("LC_ALL", f"{language}_XX.UTF-8")
-    run("new", "--kind", "small", tmp_path / "own.yaml")
-    (tmp_path / "p.csv").write_text("name,x_m,y_m,z_m\njoint 1,0,0,0\n", "utf-8")
-    out = tmp_path / "out.yaml"
-    made = run("new", out, "--of", tmp_path / "own.yaml", "--hardpoints", tmp_path / "p.csv")
-    assert made.exit_code == 2
-    assert said in made.output
-    assert not out.exists()
-
-
-def test_help_promises_placeholders_for_a_vecto_job_alone(tmp_path):
-    (tmp_path / "p.csv").write_text("name,x_m,y_m,z_m\njoint 1,0,0,0\njoint 2,1.3,0,-.06\n"
-                                    "joint 3,2.8,0,-.17\n", "utf-8")  # fmt: skip
-    run("new", tmp_path / "out.yaml", "--hardpoints", tmp_path / "p.csv")
-    assert "placeholders" not in (tmp_path / "out.yaml").read_text("utf-8")
-    assert "--hardpoints alone every other value is that of the starter" in " ".join(
-        run("new", "--help").output.split()
-    )
-
-
-def test_hardpoints_take_other_units_and_leave_rest_of_file(tmp_path):
-    run("new", tmp_path / "own.yaml")
-    (tmp_path / "p.csv").write_text("name,x_m,y_m,z_m\njoint 1,0,0,0\njoint 2,1.3,0,-.06\n"
-                                    "joint 3,2.8,0,-.17\n", "utf-8")  # fmt: skip
-    out = tmp_path / "out.yaml"
-    assert (
-        run("new", out, "--of", tmp_path / "own.yaml", "--hardpoints", tmp_path / "p.csv").exit_code
-        == 0
-    )
-    was, now = ((tmp_path / f).read_text("utf-8").splitlines() for f in ("own.yaml", "out.yaml"))
-    (line,) = [b for a, b in zip(was, now, strict=True) if a != b]
-    assert "points_mm: [[0, 0, 0], [1300, 0, -60], [2800, 0, -170]]" in line
-
-
-def test_hardpoints_replace_placeholders_of_vecto_job(job, tmp_path):
-    (tmp_path / "points.csv").write_text(POINTS, "utf-8")
-    out = tmp_path / "truck.yaml"
-    made = run("new", out, "--vecto", job, "--hardpoints", tmp_path / "points.csv")
-    assert made.exit_code == 0, made.stderr
-    assert reader.read(out).placeholders == ("vehicle.wheelbase_mm", "driveline.shafts")
-
-
-@pytest.mark.parametrize(
-    ("was", "now", "said"),
-    [
-        ("joint 3", "joynt 3", "points.csv:5: names no point of this line (got joynt 3); its "
-         "points: joint 1, joint 2, joint 3, centre bearing 1, gearbox, pinion"),
-        ("pinion", "gear box", "points.csv:7: gearbox stands in line 3 already (got gear box)"),
-        ("joint 3,2750,12,-165\n", "", "lacks joint 3: the line has 3 joints"),
-        ("2750,12", "2750,5,12", "points.csv:5: has more cells than the heading (got joint 3 2750 "
-         "5 12 -165); write a number with a decimal comma in quotes"),
-        ("joint 3", 'joint 3"x', "points.csv:5: names no point"),
-        ("joint 3", '"joint 3', "points.csv:5: the quotes of this row do not match"),
-        ("y [mm]", "x [mm],y [mm]", "must name four columns"),
-        ("2750", "27x0", "points.csv:5: is no number"),
-        ("x [mm],y [mm],z [mm]", "x,y,z", "must name one unit: mm, cm, m, in or ft"),
-        ("x [mm]", "length", "must name four columns: name, x, y and z"),
-        ("1100,0,-53", "1100,0,-153", "off shaft 1, between joints 1 and 2 (got center bearing 1)"),
-        ("-500,0", "500,0", "must lie ahead of joint 1 (gearbox) or behind the last joint"),
-    ],
-)  # fmt: skip
-def test_wrong_hardpoints_are_rejected_with_what_is_allowed(tmp_path, was, now, said):
-    assert was in POINTS
-    (tmp_path / "points.csv").write_text(POINTS.replace(was, now), "utf-8")
-    made = run("new", tmp_path / "truck.yaml", "--hardpoints", tmp_path / "points.csv")
-    assert made.exit_code == 2
-    assert said in made.stderr
-    assert not (tmp_path / "truck.yaml").exists()
-
-
-def test_number_of_table_that_may_be_decimals_or_thousands_is_rejected(tmp_path):
-    table = "name;x [mm];y [mm];z [mm]\njoint 1;0;0;0\njoint 2;1,250;0;0\njoint 3;2,750;0;0\n"
-    (tmp_path / "points.csv").write_text(table, "utf-8")
-    made = run("new", tmp_path / "truck.yaml", "--hardpoints", tmp_path / "points.csv")
-    assert made.exit_code == 2
-    assert "decimals or thousands? write 1.250 or 1250" in made.stderr
-
-
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--kind", "bus"), "--vecto, --of and --kind are three bases"),
-        (("--example", "van"), "go with a starter or --of, not with --example"),
-        (("--wheelbase-from", "3600", "--wheelbase-to", "4500"), "or another wheelbase"),
-    ],
-)
-def test_options_that_exclude_vecto_job_are_rejected(job, tmp_path, options, said):
-    made = run("new", tmp_path / "truck.yaml", "--vecto", job, *options)
-    assert (made.exit_code, said in made.stderr) == (2, True), made.stderr
+@pytest.mark.parametrize("sign", [",", ";", "\t", "|"])
+def test_sign_that_excel_names_above_a_table_divides_it(tmp_path, sign):
+    table = converted(POINTS, sign, ".").replace("joint 3", "joint 5")
+    (tmp_path / "plain.csv").write_text(POINTS, "utf-8")
+    (tmp_path / "p.csv").write_text(f"SEP={sign}\r\n{table}", "utf-8")
+    points, plain = (read_hardpoints(tmp_path / f"{n}.csv") for n in ("p", "plain"))
+    assert [p.position for p in points] == [p.position for p in plain]
+    made = run("new", tmp_path / "truck.yaml", "--hardpoints", tmp_path / "p.csv")
+    assert "p.csv:6: names no point of this line (got joint 5)" in made.stderr

@@ -97,13 +97,20 @@ def _coupling_lines(deck: SolverDeck, element: int) -> Iterator[str]:
 
 
 def _load_lines(number: int, loads: FloatArray, node: int) -> Iterator[str]:
-    """Yield the loads (9,) of a case in N, N mm and mm/s²."""
+    """Yield the loads (9,) of a case in N, N mm and mm/s².
+
+    An entry with a factor of 1 needs a component other than 0, by the guide.
+    """
     forces, gravity = _FORCE_SETS + number, _GRAVITY_SETS + number
-    acceleration = loads[6:]
+    force, moment, acceleration = loads[:3], loads[3:6], loads[6:]
     parts = [1.0, forces, *([1.0, gravity] if acceleration.any() else [])]
     yield from _small("LOAD", number, 1.0, *parts)
-    yield from _large("FORCE", forces, node, 0, 1.0, *loads[:3].tolist())
-    yield from _large("MOMENT", forces, node, 0, 1.0, *loads[3:6].tolist())
+    if force.any():
+        yield from _large("FORCE", forces, node, 0, 1.0, *force.tolist())
+    if moment.any():
+        yield from _large("MOMENT", forces, node, 0, 1.0, *moment.tolist())
+    if not (force.any() or moment.any()):  # LOAD names a set that has to be there
+        yield from _large("FORCE", forces, node, 0, 0.0, 1.0, 0.0, 0.0)
     if acceleration.any():
         yield from _large("GRAV", gravity, 0, 1.0, *(0.0 - acceleration).tolist())
 

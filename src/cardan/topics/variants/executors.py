@@ -28,6 +28,8 @@ from cardan.core.errors import DesignError, MissingDependencyError
 from cardan.core.interrupts import ignore_interrupts, interrupts_held_back
 from cardan.topics.variants.shard_job import forget_shard_job, hold_shard_job
 
+MAX_PORT = 65535
+
 SCHEDULER_TIMEOUT_S = 30
 """s: a cluster whose scheduler has not answered by then is given up."""
 
@@ -84,7 +86,8 @@ def _connected_client(dask: Any, address: str) -> Any:
         If it is no address, or no scheduler answers there.
     """
     scheme, _, place = address.partition("://")
-    if not place or not place.rpartition(":")[2].isdecimal():
+    host, _, port = place.rpartition(":")
+    if not (host and port.isdecimal() and 0 < int(port) <= MAX_PORT):
         msg = (
             f"--executor {address} is no address of a Dask scheduler: give its protocol, host and "
             f"port, as tcp://host:8786"

@@ -1,6 +1,7 @@
 """Decks for other finite element programs, of two tetrahedra: read back field by field."""
 
 import re
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -98,9 +99,22 @@ def test_nastran_deck_holds_mesh_material_coupling_and_loads(deck):
     assert gravity[0] == first[5]
     # The frame accelerates one way: the bracket's mass is pulled the other.
     assert [float(x) for x in gravity[2:]] == [1, 0, -5000, 9806.65]
-    assert parts[by["LOAD"][1][3]] == [1, 0, 0, 0]
+    assert parts[by["LOAD"][1][3]] == [0, 1, 0, 0]
     assert re.findall(r"SUBTITLE = (.*)", text) == ["kerb", "at rest"]
     assert "$ largest displacement 0.1 mm" in text
+
+
+@pytest.mark.parametrize("there", [(), (0,), (3,), (0, 3), (6,), (3, 7)])
+def test_nastran_loads_have_a_component_and_every_set_that_is_named(deck, there):
+    """Quick Reference Guide, FORCE, MOMENT and GRAV: one component at least is not 0."""
+    loads = np.zeros(9)
+    loads[list(there)] = 2.0
+    step = DeckStep(title="one", loads=loads, max_displacement=0.0)
+    entries = list(bulk_entries(bdf_text(replace(deck, steps=(step,)))))
+    [combined] = [fields for name, *fields in entries if name == "LOAD"]
+    vectors = [fields for name, *fields in entries if name in ("FORCE", "MOMENT", "GRAV")]
+    assert all(any(float(x) for x in fields[-3:]) for fields in vectors)
+    assert set(combined[3::2]) == {fields[0] for fields in vectors}
 
 
 def test_seat_weights_are_shares_of_area(deck):

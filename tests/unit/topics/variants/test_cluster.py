@@ -180,6 +180,9 @@ def test_lost_scheduler_is_reported_and_results_are_kept(tmp_path, cluster, sche
     [
         ("tls://127.0.0.1:8786", "needs certificates: name them in Dask's configuration"),
         ("tcp://127.0.0.1", "give its protocol, host and port, as tcp://host:8786"),
+        ("tcp://127.0.0.1:0", "give its protocol, host and port, as tcp://host:8786"),
+        ("tcp://127.0.0.1:99999", "give its protocol, host and port, as tcp://host:8786"),
+        ("tcp://:8786", "give its protocol, host and port, as tcp://host:8786"),
         ("ftp://127.0.0.1:21", "is no address of a Dask scheduler"),
         ("tcp://127.0.0.1:{port}", "no Dask scheduler answers at tcp://127.0.0.1:"),
     ],
