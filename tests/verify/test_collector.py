@@ -79,6 +79,11 @@ def test_refuse_collector_on_rubber_fails_in_first_gear():
     # Order 2 at 220 rpm is the sideways mode, 7.3 Hz; the stop takes its crest to 1.22 of that.
     assert worst.point.speed * 30 / np.pi == pytest.approx(269, rel=0.04)
     assert worst.mode is None  # modes are of linear rubber
+    speed = worst.point.speed * 30 / np.pi
+    for name, point in (("case", "."), ("case.pt", ",")):
+        page = (CASE.parents[1] / "docs" / f"{name}.md").read_text(encoding="utf-8")
+        (row,) = re.findall(r"\| ([\d.,]+) kN [^|]* 20 (?:times|vezes) [^|]*\|[^|]* (\d+) rpm", page)
+        assert row == (f"{worst.value / 1e3:.2f}".replace(".", point), f"{speed:.0f}"), name
 
 
 # ----------------------------------------------------------- 3: damage, life, peaks, cause
