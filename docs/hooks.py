@@ -453,7 +453,7 @@ def profiles() -> str:
     pages: list[str] = []
     for name in profile_names():
         rows = [
-            "| quantity | unit | warns past | fails past | in states | required | who says so |",
+            "| quantity | unit | recommended | maximum | in states | required | source |",
             "|---|---|---|---|---|---|---|",
         ]
         for limit in load_profile(name)[1]:
