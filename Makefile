@@ -28,7 +28,7 @@ test: $(VENV)/cardan-test   ## the whole test suite
 texts: $(VENV)/cardan-test  ## what has no translation yet, by language
 	$(BIN)/python -m pytest -q tests/unit/render/test_translations.py tests/unit/documents/test_approval_report.py -k "texts or translated or catalogue or language"
 
-lint: $(VENV)/cardan-lint $(VENV)/cardan-test   ## format, lint, types, floors
+lint: $(VENV)/cardan-lint $(VENV)/cardan-test   ## format, lint, types, layers of imports
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/pyright --pythonpath $(BIN)/python

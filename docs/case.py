@@ -14,7 +14,7 @@ DAYS = {"joints": "promise.yaml", "road": "tracks.yaml", "engine": "direct.yaml"
 heard = {day: analyse_campaign(CASE / file).answer.parts[0][2] for day, file in DAYS.items()}
 truth = {day: json.loads((CASE / f"{day}.truth.json").read_text()) for day in DAYS}
 
-figure, (cause, cut, cure) = plt.subplots(1, 3, figsize=(14, 4.2), layout="constrained")
+figure, (cause, cut, cure) = plt.subplots(1, 3, figsize=(14.5, 4.4), layout="constrained")
 of = heard["joints"].identification
 g, speed = of.gauges.index("S3"), of.cuts.windows.speed * 60
 for name, z, style in (
@@ -23,7 +23,12 @@ for name, z, style in (
     ("as found", of.computed_after, "C0x"),
 ):
     cut.plot(speed, np.abs(z[g, 1]) / MPa, style, ms=4, label=name)
-cut.set(xlim=(0, 600), xlabel="shaft speed, rpm", ylabel="order 2 at S3, MPa", title="Step 4")
+cut.set(
+    xlim=(0, 600),
+    xlabel="shaft speed, rpm",
+    ylabel="order 2 at S3, MPa",
+    title="Section 4: the line, identified",
+)
 cut.legend()
 
 place, names = 0, []
@@ -32,11 +37,11 @@ for day, one in heard.items():
         low, high = e.interval
         cause.plot([low, high], [place, place], "C0", lw=6, alpha=0.5)
         cause.plot(truth[day]["gauges"][gauge]["removed"], place, "k|", ms=14, mew=2)
-        names.append(f"{day}, {gauge}: {e.verdict}")
+        names.append(f"{DAYS[day]}, {gauge}:\n{e.verdict}")
         place -= 1
 cause.set_yticks(-np.arange(len(names)), names)
 cause.set(
-    xlabel="share of the damage that goes with the joints", title="Step 3: interval, and truth (|)"
+    xlabel="joints' share of the damage: 90 % interval, truth (|)", title="Section 3: the cause"
 )
 
 known = truth["joints"]["cured"]["gauges"]
@@ -44,11 +49,13 @@ kept = heard["joints"].predicted_lives
 x = np.arange(len(kept))
 for k, (name, hours) in enumerate((
     ("recorded", [p.recorded.hours for p in kept]),
-    ("promised", [p.changed.hours for p in kept]),
-    ("driven by the engine", [known[p.gauge]["hours"] for p in kept]),
+    ("predicted", [p.changed.hours for p in kept]),
+    ("driven in the multibody engine", [known[p.gauge]["hours"] for p in kept]),
 )):  # fmt: skip
     cure.bar(x + 0.27 * (k - 1), hours, 0.25, label=name)
 cure.set_xticks(x, [p.gauge for p in kept])
-cure.set(yscale="log", ylim=(1e3, 1e9), ylabel="life, h", title="Step 6")  # room for the legend
+cure.set(
+    yscale="log", ylim=(1e3, 1e9), ylabel="life, h", title="Section 6: the correction"
+)  # room for the legend
 cure.legend(loc="upper center")
 figure.savefig("docs/case.png", dpi=80)

@@ -21,7 +21,7 @@ import re
 import shlex
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, partial
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -47,7 +47,7 @@ def on_pre_build(**_: object) -> None:
 
 def _slow(page: str) -> bool:
     """Return whether a page runs something."""
-    return "[[executed]]" in page or "[[cardan " in page
+    return any(marker in page for marker in ("[[executed]]", "[[cardan ", *EFFECTS))
 
 
 def _made(file: Path) -> None:
@@ -453,7 +453,7 @@ def profiles() -> str:
     pages: list[str] = []
     for name in profile_names():
         rows = [
-            "| quantity | unit | warns past | fails past | in states | required | who says so |",
+            "| quantity | unit | recommended | maximum | in states | required | source |",
             "|---|---|---|---|---|---|---|",
         ]
         for limit in load_profile(name)[1]:
@@ -528,6 +528,20 @@ def over_speed() -> str:
     ).line_responses
     (figure,) = bearing_over_speed_plots(response, ENGLISH, bearing=0)
     return f"<figure>{figure.svg}<figcaption>{figure.alt}. {figure.note}</figcaption></figure>"
+
+
+EFFECTS = {
+    "[[bearing force by model]]": "parts_table",
+    "[[effects left out]]": "effects_table",
+}
+"""Tables of docs/effects.py, by their markers."""
+
+
+def effects(marker: str) -> str:
+    """Return a table of docs/effects.py: checks of examples with one thing changed."""
+    import runpy
+
+    return _kept(marker, runpy.run_path("docs/effects.py")[EFFECTS[marker]])
 
 
 def tolerance_that_decides() -> str:
@@ -673,6 +687,7 @@ WRITERS = {
     "[[nomenclature]]": nomenclature, "[[changelog]]": changelog, "[[keys]]": keys,
     "[[contract]]": contract, "[[profiles]]": profiles, "[[published]]": published,
     "[[gallery]]": gallery, "[[relations]]": relations, "[[cycles]]": cycles,
+    **{marker: partial(effects, marker) for marker in EFFECTS},
 }  # fmt: skip
 
 

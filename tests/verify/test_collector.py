@@ -79,6 +79,13 @@ def test_refuse_collector_on_rubber_fails_in_first_gear():
     # Order 2 at 220 rpm is the sideways mode, 7.3 Hz; the stop takes its crest to 1.22 of that.
     assert worst.point.speed * 30 / np.pi == pytest.approx(269, rel=0.04)
     assert worst.mode is None  # modes are of linear rubber
+    speed = worst.point.speed * 30 / np.pi
+    for name, point in (("case", "."), ("case.pt", ",")):
+        page = (CASE.parents[1] / "docs" / f"{name}.md").read_text(encoding="utf-8")
+        (row,) = re.findall(
+            r"\| ([\d.,]+) kN [^|]* 20 (?:times|vezes) [^|]*\|[^|]* (\d+) rpm", page
+        )
+        assert row == (f"{worst.value / 1e3:.2f}".replace(".", point), f"{speed:.0f}"), name
 
 
 # ----------------------------------------------------------- 3: damage, life, peaks, cause
@@ -304,6 +311,10 @@ def test_corrected_line_passes_every_limit_if_its_rubber_has_the_travel():
     as_shipped = cardan.check(reader.read(CASE / "cured.yaml"))
     failed = {c.quantity for c in as_shipped.checks if c.grade == "fail"}
     assert failed == {"centre_bearing_dynamic", "centre_bearing_peak"}
+    force = max(c.value for c in as_shipped.checks if c.quantity == "centre_bearing_dynamic")
+    for name, stated in (("case", f"to {force / 1e3:.1f} kN"),
+                         ("case.pt", f"para {force / 1e3:.1f} kN".replace(".", ","))):  # fmt: skip
+        assert stated in (CASE.parents[1] / "docs" / f"{name}.md").read_text(encoding="utf-8")
     text = (CASE / "cured.yaml").read_text(encoding="utf-8")
     assert text.count("from_rear_joint_mm") == 2
     free = text.replace("from_rear_joint_mm", "travel_mm: 35, from_rear_joint_mm")

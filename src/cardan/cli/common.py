@@ -71,7 +71,7 @@ EXTRA_STUDY_OPTION = click.option(
     type=click.Choice(["vibration", "bracket"]),
     help="Evaluate this study too, for the same verdict; may be repeated.",
 )
-QUIET_OPTION = click.option("--quiet", "-q", is_flag=True, help="No word on how far it has come.")
+QUIET_OPTION = click.option("--quiet", "-q", is_flag=True, help="No progress lines.")
 ALLOW_FILES_OUTSIDE_FOLDER_OPTION = click.option(
     "--allow-outside",
     is_flag=True,

@@ -43,7 +43,7 @@ def size(
     """Propose other parts where moving cannot help.
 
     The lightest tube, the smallest joint, the nearest split of the length or place of a
-    bearing that answers what does not pass, and makes nothing else worse; parts are of the
+    bearing that corrects what does not pass and makes nothing else worse; parts are of the
     file's own catalogues and those shipped. Exit code as a check with all of them in place.
     """
     from cardan.render.i18n import Translator

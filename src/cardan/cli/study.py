@@ -59,7 +59,8 @@ from cardan.core.errors import DesignError, FileIssue, InvalidFileError
     metavar="threads|processes|ADDRESS",
     default="threads",
     show_default=True,
-    help="Who computes; an address is that of a Dask cluster, tcp://host:8786.",
+    help="What computes: threads or processes here, or a Dask cluster by its address, "
+    "tcp://host:8786.",
 )
 @click.option(
     "--workers",

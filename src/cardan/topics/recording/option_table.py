@@ -354,7 +354,8 @@ class OptionTable:
     )
     joint_orders: str = option(
         "2,4",
-        help="Of 2, 4 and 6: where they run with others' is said. Theirs is sought at all of them.",
+        help="Joint orders to compare with those of other sources (of 2, 4, 6); the joints' own "
+        "part is sought at all three.",
     )
     engine: str | None = option(
         None,
@@ -500,8 +501,8 @@ class OptionTable:
     )
     service_hours: float | None = option(
         None,
-        help="Odds of failure in as many hours (FORM, SORM, sampled): scatter of strength, of the "
-        "damage at failure and of the gauge.",
+        help="Probability of failure within so many hours (FORM, SORM, sampled), by the scatter "
+        "of strength, of the damage at failure and of the gauge.",
         bounds=POSITIVE,
         keys=(FileKey(description="hours the odds of failure are of", after="crack_shape"),),
     )
@@ -536,8 +537,8 @@ class OptionTable:
     )
     changed: "Application | None" = option(  # noqa: RUF009
         None,
-        help="With --identify: another application, driven as the recording was; damage and life "
-        "that it promises.",
+        help="With --identify: another application, driven as the recording was: its damage "
+        "and life are predicted.",
         is_application=True,
         keys=(
             FileKey(
@@ -605,8 +606,8 @@ class OptionTable:
     accept: tuple[str, ...] = option(
         (),
         metavar="[CHANNEL=]KIND[@FROM..TO]",
-        help="It was what the part felt (also clip, drift, hum), or is as it was said (unit, rate, "
-        "strength); may be repeated.",
+        help="Confirm what looks wrong as felt by the part (also clip, drift, hum) or as stated "
+        "(unit, rate, strength); may be repeated.",
         keys=(
             FileKey(description="what the part felt"),
             FileKey(description="what of it the part felt", table="recording", after="mask"),
