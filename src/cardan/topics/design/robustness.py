@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from cardan.application.overrides import application_with_input_values, nominal_variable_values
+from cardan.application.variant_sampling import VARIANTS_PER_CHUNK, SamplingPlan, sampling_plan
 from cardan.approval.applied_adjustments import (
     ADJUSTMENTS_OF_LINE_WITHOUT_LENGTHS,
     affected_lines,
@@ -30,12 +32,6 @@ from cardan.model.adjustments import ADJUSTMENTS, permitted_adjustments_by_name
 from cardan.model.application import Application, PermittedAdjustment
 from cardan.model.variants import VariantStudy, VariedNumber
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
-from cardan.topics.variants.evaluation import (
-    VARIANTS_PER_CHUNK,
-    application_with_input_values,
-    nominal_variable_values,
-)
-from cardan.topics.variants.sampling import SamplingPlan, sampling_plan
 
 ASSUMED_TOLERANCES = {
     "bearing_height_mm": 3.0,

@@ -11,16 +11,15 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from cardan.application.variant_sampling import VARIANTS_PER_CHUNK, SamplingPlan
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import MissingDependencyError
 from cardan.model.variants import ParetoObjective
 from cardan.topics.variants.evaluation import (
-    VARIANTS_PER_CHUNK,
     EvaluatedVariants,
     LimitResults,
     VariantEvaluator,
 )
-from cardan.topics.variants.sampling import SamplingPlan
 from cardan.topics.variants.statistics import (
     WORST_ACCEPTABLE_VERDICT_INDEX,
     ParetoFront,

@@ -18,16 +18,16 @@ from typing import Any
 
 import numpy as np
 
-from cardan import __version__
+from cardan.application.variant_sampling import SamplingMethod
 from cardan.core.arrays import FloatArray, retain_freed_memory, single_threaded_blas
 from cardan.core.errors import DesignError
+from cardan.core.version import __version__
 from cardan.model.application import Application
 from cardan.model.variants import VariantStudy
 from cardan.topics.variants.evaluation import (
     LimitResults,
     VariantEvaluator,
 )
-from cardan.topics.variants.sampling import SamplingMethod
 from cardan.topics.variants.shard_tree import merged_statistics
 from cardan.topics.variants.statistics import (
     StatisticState,

@@ -12,6 +12,7 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
+from cardan.application.variant_sampling import SamplingPlan
 from cardan.approval.applied_adjustments import AppliedAdjustment
 from cardan.core.arrays import BoolArray, FloatArray, IntArray
 from cardan.core.verdict import CHECK_GRADES, VERDICTS
@@ -27,7 +28,6 @@ from cardan.topics.variants.evaluation import (
     EvaluatedVariants,
     VariantEvaluator,
 )
-from cardan.topics.variants.sampling import SamplingPlan
 
 StatisticState: TypeAlias = Mapping[str, Any]
 """Arrays by name."""

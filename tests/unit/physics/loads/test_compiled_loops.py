@@ -13,6 +13,7 @@ import pytest
 from repository import EXAMPLES
 
 from cardan.application import reader
+from cardan.application.overrides import nominal_variable_values
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.core import compiled
 from cardan.physics.loads import compiled_line_loads, compiled_response
@@ -22,7 +23,6 @@ from cardan.physics.vehicle.state_demand import line_state_demand
 from cardan.topics.variants.evaluation import (
     VariantEvaluator,
     build_variants,
-    nominal_variable_values,
 )
 
 SHARE_OF_LARGEST = 1e-10
