@@ -336,11 +336,6 @@ class MountedLine:
         both = np.stack([self.front, self.rear], axis=-3)
         return both.reshape(*both.shape[:-4], -1, both.shape[-1])
 
-    def forces_from_bearings(self, forces: ArrayLike) -> FloatArray:
-        """Return what forces (..., n-2, 3) N on the shafts at their bearings do, (..., N) N."""
-        local = (self.bearing_frame @ np.asarray(forces, dtype=float)[..., None])[..., 0]
-        return (local.reshape(*local.shape[:-2], 1, -1) @ self.bearing_matrix)[..., 0, :]
-
     def spline_gradient(self, last_shaft: FloatArray) -> FloatArray:
         """Return how much the coordinates lengthen the spline, (..., N) 1, to first order.
 
