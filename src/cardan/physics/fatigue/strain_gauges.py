@@ -117,7 +117,7 @@ def signed_mises(stress: PlaneStress, *, along: FloatArray | None = None) -> Flo
 
     Good where direction and biaxiality hardly move; else count on planes. Shear has no larger one,
     and what little is added to it would turn the sign: then that of the stress `along` (3,) the
-    way it mostly swings, `swinging`.
+    way it mostly swings, `dominant_stress_direction`.
     """
     a, b, c = (1.0, 1.0, 0.0) if along is None else along
     return np.where(a * stress.x + b * stress.y + c * stress.xy < 0, -1.0, 1.0) * stress.mises

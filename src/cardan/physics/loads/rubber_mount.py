@@ -399,7 +399,7 @@ class MountedLine:
         pushes : three of (..., N)
             Forces on the coordinates where nothing has moved.
         swing : (..., N, N) or two of (..., n, N)
-            Of one N m, for the torque; `swung` is the quicker.
+            Of one N m, for the torque; `order2_coupling_factors` is quicker.
         speed, torque : (...) rad/s, N m
         """
         speed, torque = np.asarray(speed, dtype=float), np.asarray(torque, dtype=float)
@@ -622,7 +622,7 @@ class MountedLine:
         """Return the line with a bearing, from 0, in a bracket that gives, N more by its modes.
 
         Rubber feels how far the bearing moves against its seat: bracket and rubber are in
-        series. What the bearing hands to its bracket is still `Motion.bearing_forces`.
+        series. What the bearing hands to its bracket is still `HarmonicMotion.bearing_forces`.
         """
         more = len(seat.frequencies)
         ω2 = np.diag(seat.frequencies**2)

@@ -45,7 +45,7 @@ from cardan.model.variants import (
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
 
 InputVariationSpec: TypeAlias = Sequence[float] | Mapping[str, Any] | model.VariedNumber
-"""How a number varies: [low, high], or a table of one of `KINDS`."""
+"""How a number varies: [low, high], or a table of one of `INPUT_DISTRIBUTION_KINDS`."""
 
 INPUT_DISTRIBUTION_KINDS = ("choice", "grid", "normal", "uniform")
 """One of some values; each of them; about its own value by a standard deviation or half width."""

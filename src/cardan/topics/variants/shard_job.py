@@ -192,7 +192,7 @@ def compute_shards(
 def fingerprints(application: Application, variants: VariantStudy) -> dict[str, str]:
     """Return what distinguishes a study from another: the same prints, the same answers."""
     written = application.written
-    assert written is not None  # `Job.of` has looked
+    assert written is not None  # as `ShardJob` has checked
     changes = {at: np.asarray(to).tolist() for at, to in written.changes.items()}
     # A set has another order in another process.
     limits = json.dumps([asdict(limit) for limit in application.limits], default=sorted)
