@@ -101,7 +101,7 @@ def history_figure(
         width=WIDE_PX,
         height=HISTORY_HEIGHT_PX + lanes,
     )
-    chart.add_envelope(x, low, high, name="")
+    chart.add_envelope(x, low, high)
     names: list[str] = []
     for lane, one in enumerate(marks):
         colour = SERIES_COLOURS[1 + lane % (len(SERIES_COLOURS) - 1)]
@@ -216,7 +216,6 @@ def matrix_figure(of: RainflowTable, say: Translator, *, gauge: str) -> Figure:
         y_label=say("from, MPa"),
         values=say("cycles"),
         height=PAIR_HEIGHT_PX,
-        diagonal=True,
         note=say(
             "{count} cycles, a half cycle as 0.5; bins of {width} MPa.",
             count=say.compact_number(of.total), width=say.compact_number(edges, 3),
