@@ -258,7 +258,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("coast_torque", "the torque over the engine's in its lowest gear", power.compare_coast_torque,
       (0.001, 1.5), hint="it is counted at the gearbox output"),
     R("coast_over_drive", "the overrun torque over the torque that drives",
-      power.compare_coast_over_drive,
+      power.compare_overrun_torque_over_drive_torque,
       (0, 1.5), hint="are they swapped, or in another unit?"),
     R("typical_parts", "the value over what is typical of the vehicle's class",
       power.compare_typical_parts, (0.1, 10), TYPICAL_SOURCE, hint=CHECK_UNIT_HINT),
@@ -354,7 +354,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       "held by the frame", obstacle.compare_fixed_member_height, (-0.1, inf),
       hint="frame rails lie higher: does it ride on an axle (travel_share), or is its z wrong?"),
     R("obstacle_slenderness", "the length of the obstacle's axis over its diameter",
-      obstacle.compare_obstacle_slenderness, (0.5, 60),
+      obstacle.compare_obstacle_length_over_diameter, (0.5, 60),
       hint="check both ends, their signs, and radius"),
     # --- loads
     R("empty_over_gvw", "the mass empty over that at gvw", vehicle.compare_lighter("empty", "gvw"),

@@ -480,7 +480,7 @@ def source_digitisation_phrase(source: Source, say: Translator) -> str:
     return "; ".join((say(source.how_read), *differ))
 
 
-def document_stamp_facts(
+def source_date_and_version_facts(
     issue: ReportDateAndSourceStamp, say: Translator
 ) -> Iterator[tuple[str, str]]:
     """Yield what distinguishes this report from another."""

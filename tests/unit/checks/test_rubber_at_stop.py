@@ -1,5 +1,7 @@
 """A line of two bearings whose rubber meets its stop, by its own integration in time."""
 
+import re
+
 import numpy as np
 import pytest
 from repository import EXAMPLES
@@ -242,6 +244,29 @@ def test_forces_of_a_motion_follow_it_where_the_stop_is_no_stiffer(grid):
     assert two["peak"] - two["static"] - two["dynamic"] == pytest.approx(grid.order1, rel=1e-6)
 
 
+def test_push_in_proportion_to_travel_moves_the_line_as_stiffer_rubber_does(grid):
+    """A fifth more stiffness as forces of a stop, X = X₀ - C ΔK X, and in the rubber itself.
+
+    Ahead and astern, through resonance. The stop's line has fewer modes, and a stop loses twice
+    the rubber's share at order 4: 4 % of the travel in resonance.
+    """
+    harder = re.sub(
+        r"((?:vertical|lateral)_stiffness_N_mm: )(\d+)",
+        lambda found: f"{found[1]}{1.2 * float(found[2])}",
+        MEDIUM.replace("centre_bearing: {", "centre_bearing: {travel_mm: 15, "),
+    )
+    mounts, count = response(harder).mounts, len(grid.sweeps.state)
+    of, none = np.arange(count), np.zeros(count, dtype=int)
+    line = grid.line(of, none, np.array([STOP]), np.ones((count, 1)))
+    shape, more = line.free.shape, np.tile(0.2 * grid.stiffness[:, 0], (1, line.free.shape[2]))
+    matrix = np.eye(more.shape[-1]) + line.receptance * more[:, None, :]
+    moved = np.linalg.solve(matrix, line.free.reshape(*shape[:2], -1, 1)).reshape(shape)
+    expected = rubber_at_stop._Grid.of(mounts, grid.sweeps, mounts.mounted_line).travel(of, none)
+    size = np.abs(expected).max(axis=(2, 3))
+    assert (np.abs(moved - expected).max(axis=(2, 3)) / size).max() < 0.05
+    assert (np.abs(line.free - expected).max(axis=(2, 3)) / size).max() > 1
+
+
 def test_range_of_stiffness_is_solved_where_linear_rubber_has_the_largest_force(medium):
     """No file gives the ratio: 20 in every state, 5 in the one with the largest peak force."""
     solved, linear = medium.mount_loads.stop_response, medium.mount_loads.refined_forces
@@ -251,3 +276,4 @@ def test_range_of_stiffness_is_solved_where_linear_rubber_has_the_largest_force(
     assert soft.sum() == 1
     assert soft[met.argmax()]
     assert stiff.sum() > 1
+    assert solved.is_solved[stiff].all()  # followed far enough beyond linear rubber's crests

@@ -63,7 +63,7 @@ class StressHistory:
         return self.damage / total if total > 0 else np.zeros_like(self.damage)
 
 
-def stretch_samples(samples: int, *, rate: float) -> int:
+def samples_per_stretch(samples: int, *, rate: float) -> int:
     """Return the samples of a stretch of a recording: the shortest that reads well."""
     seconds = samples / rate
     length = next(
@@ -85,7 +85,7 @@ class StressHistoryCounter:
         """
         self.rate, self.interpolated = rate, tuple(interpolated)
         self.column = max(ceil(samples / MAX_ENVELOPE_COLUMNS), 1)
-        self.stretch = stretch_samples(samples, rate=rate)
+        self.stretch = samples_per_stretch(samples, rate=rate)
         columns, gauges = ceil(samples / self.column), len(self.interpolated)
         self.low = np.full((gauges, columns), np.nan)
         self.high = np.full((gauges, columns), np.nan)

@@ -174,4 +174,4 @@ def _same(one: float, other: float) -> bool:
     return bool(abs(np.log(one / other)) < MAX_SAME_STEP_DIFFERENCE_LN)
 
 
-SOURCE = FaultSource(kinds=(), detector=ValueStepDetector)
+FAULT_SOURCE = FaultSource(kinds=(), detector=ValueStepDetector)

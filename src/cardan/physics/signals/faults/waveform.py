@@ -448,7 +448,7 @@ class WaveformFaultDetector:
         return bool(overlaps(np.array([run[:2]], np.intp), clips.runs)[0])
 
 
-SOURCE = FaultSource(
+FAULT_SOURCE = FaultSource(
     kinds=(
         FaultKind(code=FAULT_MISSING_SAMPLES, of_any_channel=True),
         FaultKind(code=FAULT_SENTINEL, of_any_channel=True, maskable=True),
