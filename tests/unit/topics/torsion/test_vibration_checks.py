@@ -60,3 +60,34 @@ def test_reversal_is_the_largest_of_a_lines_own_springs(study):
     found = {(r.line, r.when.name): r.value for r in vibration_checks._reversals(study)}
     assert found["main", "1"] == pytest.approx(10 / 50)
     assert found["inter-axle", "2"] == pytest.approx(24 / 50)
+
+
+def started(capacity: float):
+    """A launch in first gear with other torques in each spring."""
+    peak = np.array([100.0, 200.0, 300.0, 400.0])
+    return SimpleNamespace(
+        launch=SimpleNamespace(capacity=capacity, gear="1", ramp=0.25),
+        springs=SPRINGS, peak_torque=peak, peak_range=np.stack([0.9 * peak, 1.2 * peak]),
+        lowest_torque=-0.5 * peak, reversal_range=np.stack([0.4 + 0 * peak, 0.6 + 0 * peak]),
+        assumed=(),
+    )  # fmt: skip
+
+
+def test_peak_of_a_launch_is_of_the_spring_behind_each_joint(study):
+    study.launches, study.application = [started(0.9)], SimpleNamespace(launches=())
+    rows = list(vibration_checks._launch_peaks(study))
+    assert [r.value for r in rows] == pytest.approx([0.1, 0.2, 0.3, 0.4])
+    assert rows[1].within == pytest.approx((0.18, 0.24))
+    reversals = list(vibration_checks._launch_reversals(study))
+    assert [r.value for r in reversals] == pytest.approx([0.5, 0.5])
+
+
+@pytest.mark.parametrize(("capacity", "requested", "held"), [
+    (1.0, False, True), (1.5, False, False), (1.5, True, True),
+])  # fmt: skip
+def test_clutch_that_is_dropped_is_held_to_limits_if_the_file_requests_it(
+    study, capacity, requested, held
+):
+    study.launches = [started(capacity)]
+    study.application = SimpleNamespace(launches=("dropped",) if requested else ())
+    assert bool(list(vibration_checks._launch_peaks(study))) == held
