@@ -202,7 +202,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("given_torque", "the torque over the engine's in its lowest gear", power.compare_given_torque,
       (0.1, 1.05), hint="is it the gearbox output's, in this unit?"),
     R("withheld_torque", "the torque over the largest that engine and tyres allow",
-      power.compare_withheld_torque, (0.8, inf),
+      power.compare_given_torque_over_what_engine_and_tyres_allow, (0.8, inf),
       hint="less than the line carries hides what it does to it: check value and unit"),
     R("part_speeds", "the speed over the top speed of the gearbox output",
       power.compare_part_speeds,

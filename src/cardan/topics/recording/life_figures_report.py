@@ -31,7 +31,7 @@ from cardan.topics.recording.load_collective import (
 )
 from cardan.topics.recording.recording_assessment import RecordingAssessment
 from cardan.topics.recording.stress_history import (
-    MASKED_TIME,
+    MASKED_BY_TIME_KIND,
     MarkedStretches,
     StressHistory,
     marked_stretches,
@@ -125,7 +125,7 @@ def history_figure(
 
 def _mark_text(of: MarkedStretches, say: Translator) -> str:
     """Return a kind of suspect data, and how many of its stretches are in which state."""
-    if of.kind == MASKED_TIME:
+    if of.kind == MASKED_BY_TIME_KIND:
         return say("masked by time: {count}", count=len(of.masked))
     if of.kind == FAULT_MISSING_SAMPLES:  # without a sample nothing is to be decided
         return f"{say(of.kind)}: {sum(map(len, (of.masked, of.undecided, of.accepted)))}"

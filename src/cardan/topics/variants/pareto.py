@@ -93,7 +93,7 @@ def evolve_pareto_front(
             inputs, LimitResults.concatenate(parts), unit, np.ones(len(unit), dtype=bool)
         )
         tell(keep.goal_values(rows, 0), _unfit(rows))
-        front = keep.merge(front, keep.state_of(rows, start + done))
+        front = keep.merge(front, keep.shard_state(rows, start + done))
         done += len(unit)
         hear(done)
     return front

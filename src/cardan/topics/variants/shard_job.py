@@ -94,7 +94,7 @@ class ShardJob:
         rows = self.evaluator.evaluate_range(start, stop, go_on=go_on)
         found = requested_statistics(self.evaluator, self.variants.ask)
         return ShardResult(
-            statistics={name: r.state_of(rows, start) for name, r in found.items()},
+            statistics={name: r.shard_state(rows, start) for name, r in found.items()},
             rows=(rows.inputs, rows.results) if self.row_precision else None,
         )
 

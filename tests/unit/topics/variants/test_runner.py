@@ -498,7 +498,7 @@ def test_sobol_indices_match_ishigami_function():
     pairs = reduce.SobolSamplePairs(factors=3)
     step = 5 * 4000
     states = [
-        pairs.state_of(Made(drawn.unit_points(k, k + step), ishigami), k)
+        pairs.shard_state(Made(drawn.unit_points(k, k + step), ishigami), k)
         for k in range(0, 5 * step, step)
     ]
     found = sobol_indices(functools.reduce(pairs.merge, states))
