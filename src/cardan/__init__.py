@@ -9,7 +9,7 @@ The names in `__all__` are defined in `cardan.api` and imported on first use, so
 `import cardan` costs nothing.
 """
 
-__version__ = "0.1.0"
+from cardan.core.version import __version__
 
 __all__ = [
     "Application",

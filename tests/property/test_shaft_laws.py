@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from campbell import campbell_diagram
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -16,7 +17,6 @@ from cardan.physics.strength.bearing_life import (
 )
 from cardan.physics.strength.critical_speed import (
     bearing_resonance_speed,
-    campbell_diagram,
     line_critical_speed,
     synchronous_whirl_modes,
 )

@@ -4,6 +4,8 @@ import calculix
 import numpy as np
 import pytest
 from brackets import BRACKET, LINE
+from scipy.spatial import cKDTree
+from sharp_edges import singular_edge_points
 
 from cardan.application.reader import read
 from cardan.core.units import MPa, mm
@@ -11,7 +13,6 @@ from cardan.model.bracket import LShape, UShape
 from cardan.model.material import STEEL
 from cardan.physics.fem.geometry import build_solid
 from cardan.physics.fem.stress import von_mises
-from cardan.physics.fem.surface import is_farther_from_edges, singular_edge_points
 from cardan.physics.fem.unit_loads import mesh_and_solve_unit_loads
 from cardan.topics.bracket.assessment import BracketShapeAssessor
 from cardan.topics.bracket.calculix_file import inp_text
@@ -71,9 +72,8 @@ def gauge_sites(nodes, *, held, thickness):
     bent = np.linalg.norm(corners[:, 4:] - straight, axis=-1).max(axis=1) > 1e-9
     edges = singular_edge_points(nodes, held=held)
     flat = np.zeros(len(nodes.points), dtype=bool)
-    clear = is_farther_from_edges(
-        nodes.points[nodes.surface_nodes], edges, distance=1.5 * thickness
-    )
+    away, _ = cKDTree(edges).query(nodes.points[nodes.surface_nodes])
+    clear = away > 1.5 * thickness
     flat[nodes.surface_nodes[clear]] = True
     flat[nodes.elements[bent]] = False
     flat[nodes.elements[:, 4:]] = False

@@ -29,7 +29,7 @@ from cardan.physics.signals.attribution_result import (
     JointAttribution,
     combine_attributions,
 )
-from cardan.physics.signals.cause_assessment import DOUBT_AT_GAUGE_TEMPLATE
+from cardan.physics.signals.cause_assessment import DOUBT_OF_NAMED_GAUGE
 from cardan.physics.signals.confounders import order_share_not_from_engine
 from cardan.physics.signals.joint_attribution import separate_joint_caused_stress
 from cardan.physics.signals.recording import recording_from_arrays
@@ -265,7 +265,7 @@ def test_shaft_speed_uses_all_gauges():
 
     found, doubts = told(60 * case.speed, "S1", "S2")
     assert found.verdict == JOINTS_NOT_DOMINANT
-    of_s2 = DOUBT_AT_GAUGE_TEMPLATE.with_values(gauge="S2", doubt=DOUBT_DOUBLE_SPEED)
+    of_s2 = DOUBT_OF_NAMED_GAUGE.with_values(gauge="S2", doubt=DOUBT_DOUBLE_SPEED)
     assert of_s2 not in doubts
     found, doubts = told(30 * case.speed, "S1", "S2")
     assert found.verdict == UNDETERMINED

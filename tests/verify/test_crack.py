@@ -10,7 +10,6 @@ from cardan.core.errors import DesignError
 from cardan.physics.fatigue.crack_growth import (
     constant_geometry_factor,
     crack_growth_per_sequence,
-    grow_cycle_by_cycle,
     paris,
     paris_cycles,
     sequences_between_crack_lengths,
@@ -53,23 +52,6 @@ def test_repeats_with_changing_shape_factor_match_quadrature():
     assert sequences_between_crack_lengths(
         start=0.5, end=10, cycles=ONE, law=LAW, shape=shape
     ) == pytest.approx(slow, rel=1e-8)
-
-
-def test_cycle_by_cycle_growth_converges_to_integral():
-    """A step of 1e-4 in a lags K by half of it, and K³ √a... by 1.5: below 1e-4 in life."""
-    many = Cycles(np.zeros(200_000), np.full(200_000, 100.0), np.ones(200_000))
-    length, done = grow_cycle_by_cycle(0.5, cycles=many, law=LAW, step=1e-4)
-    assert done == 200_000
-    exact = (0.5**-0.5 - 3e-13 * 1e6 * math.pi**1.5 * 200_000 / 2) ** -2
-    assert length == pytest.approx(exact, rel=1e-4)
-
-
-@pytest.mark.slow
-def test_growth_stops_at_given_length():
-    many = Cycles(np.zeros(2_000_000), np.full(2_000_000, 100.0), np.ones(2_000_000))
-    length, done = grow_cycle_by_cycle(0.5, cycles=many, law=LAW, end=10, step=1e-4)
-    assert length >= 10
-    assert done == pytest.approx(1_314_561, rel=1e-3)
 
 
 def test_history_grows_by_its_equivalent_range():

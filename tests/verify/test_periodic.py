@@ -10,22 +10,16 @@ from scipy.special import mathieu_a, mathieu_b
 
 from cardan.physics.dynamics.floquet import (
     PeriodicSystem,
-    differentiation_matrix,
     evaluate_in_chunks,
-    floquet_exponents,
-    floquet_modes,
     floquet_multipliers,
     growth_rate,
     hill_determinant,
     hill_multipliers,
-    liouville_determinant,
     monodromy_matrix,
-    periodic_response,
 )
 from cardan.physics.dynamics.stability_chart import (
     find_zeros,
     instability_tongue,
-    trace_zero_contour_from_point,
     zero_contour,
 )
 
@@ -99,9 +93,12 @@ def test_monodromy_matches_general_integrator():
 
 
 def test_monodromy_determinant_satisfies_liouville():
+    """exp(-∫ tr M⁻¹C dt) over a period, by the trapezoidal rule, which is exact to rounding."""
     system = shaken()
+    M, C, _ = system.matrices(np.arange(256) / 256)
+    mean = np.trace(np.linalg.solve(M, C), axis1=-2, axis2=-1).mean(-1)
     np.testing.assert_allclose(
-        np.linalg.det(monodromy_matrix(system)), liouville_determinant(system), rtol=1e-9
+        np.linalg.det(monodromy_matrix(system)), np.exp(-mean * system.period), rtol=1e-9
     )
 
 
@@ -113,50 +110,15 @@ def test_hill_exponents_match_monodromy_matrix():
 
 def test_hill_determinant_vanishes_at_exponent():
     system = shaken()
+    exponents = np.log(floquet_multipliers(system)) / system.period[:, None]
     for k in range(4):
-        assert np.abs(hill_determinant(system, floquet_exponents(system)[:, k])).max() < 1e-8
+        assert np.abs(hill_determinant(system, exponents[:, k])).max() < 1e-8
     assert np.abs(hill_determinant(system, np.full(2, 0.3 + 0.2j))).min() > 0.1
-
-
-def test_floquet_modes_satisfy_equation():
-    """p of q = e^{λt} p is put back into the equation, differentiated spectrally."""
-    system = shaken()
-    rates, shapes = floquet_modes(system, samples=64)
-    k = np.fft.fftfreq(64, 1 / 64)
-    for case, period in enumerate(system.period):
-        M, C, K = system.matrices(np.arange(64) / 64)
-        for rate, p in zip(rates[case], shapes[case], strict=True):
-            spectrum = np.fft.fft(p, axis=0)
-            s = rate + 2j * np.pi * k[:, None] / period
-            q, v, a = (np.fft.ifft(s**n * spectrum, axis=0) for n in range(3))
-            left = np.einsum("sij,sj->si", np.broadcast_to(M, (64, 2, 2)), a)
-            left += np.einsum("sij,sj->si", C, v) + np.einsum("sij,sj->si", K, q)
-            assert np.abs(left).max() < 1e-6 * np.abs(a).max()
-
-
-def test_periodic_response_repeats_after_one_period():
-    """The state the response starts from comes back after a period of plain integration."""
-    system = shaken()
-    phase = np.arange(41) / 41
-    force = np.stack([np.cos(2 * np.pi * phase), 0.3 + np.sin(4 * np.pi * phase)], -1)
-    q = periodic_response(system, force)
-    v = np.einsum("ij,...ja->...ia", differentiation_matrix(41), q) / system.period[:, None, None]
-    for k, period in enumerate(system.period):
-
-        def rate(t, z, period=period):
-            M, C, K = (part[0] for part in system.matrices(np.array([t / period])))
-            wave = 2 * np.pi * t / period
-            f = np.array([np.cos(wave), 0.3 + np.sin(2 * wave)])
-            return np.concatenate([z[2:], np.linalg.solve(M, f - C @ z[2:] - K @ z[:2])])
-
-        start = np.concatenate([q[k, 0], v[k, 0]])
-        done = solve_ivp(rate, (0, period), start, method="DOP853", rtol=1e-11, atol=1e-12)
-        np.testing.assert_allclose(done.y[:, -1], start, atol=1e-8)
 
 
 @pytest.mark.slow
 def test_stability_chart_boundary_has_zero_margin():
-    """Refined boundary, continued curve and damped Mathieu equation agree."""
+    """Refined boundary and damped Mathieu equation agree."""
     margin = lambda a, q: evaluate_in_chunks(  # noqa: E731
         lambda a, q: growth_rate(mathieu(a, q, 0.1)), a, q
     )
@@ -164,10 +126,8 @@ def test_stability_chart_boundary_has_zero_margin():
     assert np.abs(margin(*line.points.T)).max() < 1e-6
     assert line.evaluations < 0.6 * 65 * 65 + 15 * len(line.segments)
     tongue = line.points[line.points[:, 0] > 0.6]  # left of it is divergence, a < -q²/2
-    tip = tongue[tongue[:, 1].argmin()]
-    followed = trace_zero_contour_from_point(margin, start=tip, x=(-0.5, 2.0), y=(0.0, 0.8))
-    # First-order theory: the tongue at a = 1 opens at q = c; second order is c²/8.
-    assert followed[:, 1].min() == pytest.approx(0.1, rel=0.01)
+    # First-order theory: the tongue at a = 1 opens at q = c; the grid's cells end it higher.
+    assert 0.1 <= tongue[:, 1].min() < 0.1 + 2 * 0.8 / 64
 
 
 @pytest.mark.slow
@@ -209,14 +169,3 @@ def test_case_without_solution_gives_nan_for_that_case_only():
     np.testing.assert_allclose(
         find_zeros(lambda x: np.where(abs(x - 0.25) < 0.2, np.nan, x - 0.7), between=(0, 1)), [0.7]
     )
-
-
-def test_closed_boundary_curve_closes():
-    round_trip = trace_zero_contour_from_point(
-        lambda x, y: x**2 + 4 * y**2 - 1, start=(1, 0.1), x=(-2, 2), y=(-2, 2)
-    )
-    np.testing.assert_array_equal(round_trip[0], round_trip[-1])
-    np.testing.assert_allclose((round_trip**2 @ [1, 4]), 1, atol=1e-9)
-    steps = np.diff(round_trip, axis=0)
-    # Perimeter of the ellipse 1 by 1/2 is 4.8442; chords of 0.08 fall short by about 0.1 %.
-    assert np.linalg.norm(steps, axis=1).sum() == pytest.approx(4.8442, rel=2e-3)

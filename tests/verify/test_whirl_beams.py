@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from campbell import campbell_diagram
 from scipy.optimize import brentq
 
 from cardan.core.units import mm
@@ -15,7 +16,6 @@ from cardan.model.parts import CentreBearing, Line, Shaft, Tube
 from cardan.physics.strength.beams import beam_model
 from cardan.physics.strength.critical_speed import (
     bearing_resonance_speed,
-    campbell_diagram,
     line_critical_speed,
     slender_tube_critical_speed,
     synchronous_whirl_modes,

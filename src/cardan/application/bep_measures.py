@@ -21,7 +21,7 @@ from cardan.application.paste_import import (
 )
 from cardan.application.placeholders import text_with_value_entered
 from cardan.application.source_comment import changed_addresses, text_with_source
-from cardan.application.wheelbase import lengthened_lines, text_with_wheelbase
+from cardan.application.wheelbase import lines_that_follow_rear_axle, text_with_wheelbase
 from cardan.application.yaml_edit import YamlEditor
 from cardan.core.errors import FileIssue, InvalidFileError
 from cardan.core.lazy_dataclass import dataclass
@@ -215,7 +215,7 @@ def text_with_measures(
     placeholder = key in application.placeholders
     if moves_line and not placeholder:
         text = text_with_wheelbase(text, wheelbase=wheelbase, name=measures.source, folder=folder)
-        if lengthened_lines(application):
+        if lines_that_follow_rear_axle(application):
             notes.append("the last joint of each line to a rear axle stands where the axle does")
     else:
         unit = UNITS[key.rpartition("_")[2]]

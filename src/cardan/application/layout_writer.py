@@ -194,7 +194,9 @@ def joint_place_changes(
     return changes
 
 
-def range_changes(stem: str, part: int, amount: float, parts: int, text: YamlEditor) -> FileChanges:
+def adjustment_range_changes(
+    stem: str, part: int, amount: float, parts: int, text: YamlEditor
+) -> FileChanges:
     """Return the range of `adjust` that counts from where a part is after it moved, SI.
 
     One range for several parts stays as it is written.

@@ -118,7 +118,7 @@ def compare_fixed_member_height(of: RelationContext) -> ComparedValues:
                 yield ComparedValue(keys, value, against, default="0")
 
 
-def compare_obstacle_slenderness(of: RelationContext) -> ComparedValues:
+def compare_obstacle_length_over_diameter(of: RelationContext) -> ComparedValues:
     """Length of an obstacle's axis over its diameter, of those that are given both ends."""
     for k, obstacle in enumerate(of.application.obstacles, 1):
         end = locate_yaml_address(of.application, f"obstacles[{k}].end")

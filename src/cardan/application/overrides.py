@@ -7,13 +7,16 @@ name, as if its row stood in the file.
 
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
 from cardan.application.reader import read_source_text
 from cardan.core.arrays import ArrayLike
 from cardan.core.errors import DesignError
+from cardan.model.adjustments import permitted_adjustments_by_name
 from cardan.model.application import Application, ApplicationSourceText
+from cardan.model.variants import without_addresses_of_study_section
 
 
 def addresses(application: Application) -> dict[str, ArrayLike]:
@@ -64,6 +67,45 @@ def change(
         raise ValueError(msg)
     made = {at: c[:, None] if c.ndim else float(c) for at, c in columns.items()}
     return read_source_text(replace(written, changes=dict(written.changes) | made), warn=warn)
+
+
+def application_with_input_values(
+    application: Application, numbers: Mapping[str, Any]
+) -> Application:
+    """Return an application with other numbers, held against the limits that it has now."""
+    was = application.written.application if application.written else None
+    if not numbers:
+        return application
+    if was is None or application.limits is was.limits:
+        return change(application, numbers)
+    found = change(replace(application, limits=was.limits, profile=was.profile), numbers)
+    return replace(found, limits=application.limits, profile=application.profile)
+
+
+def nominal_variable_values(application: Application) -> dict[str, float]:
+    """Return every number that may vary, as it is, by name.
+
+    Raises
+    ------
+    ValueError
+        If one has variants already.
+    """
+    written = application.written
+    base = written.application if written else None
+    numbers: dict[str, Any] = dict(
+        addresses(replace(base, written=written) if base and written else application)
+    )
+    if written is not None:
+        numbers |= written.fixed_numbers
+    found: dict[str, float] = {}
+    for at in without_addresses_of_study_section(numbers):
+        if np.ndim(numbers[at]):
+            msg = f"{at} has variants already: vary the application as it was read"
+            raise ValueError(msg)
+        found[at] = float(numbers[at])
+    return found | dict.fromkeys(
+        permitted_adjustments_by_name(i.line for i in application.lines), 0.0
+    )
 
 
 def _written(application: Application) -> ApplicationSourceText:

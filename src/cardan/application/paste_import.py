@@ -24,8 +24,8 @@ def parse_number_of_unknown_locale(said: str) -> float | None:
     A comma is a decimal sign where it stands alone: 3,5 is 3.5. With both signs the last one
     is: 1.234,5 and 1,234.5 are the same. 1,234 is 1.234: no thousand is guessed.
 
-    >>> number("3,5"), number("1 234.5"), number("1.234,5"), number("-0,2°"), number("about 3")
-    (3.5, 1234.5, 1234.5, -0.2, None)
+    >>> [parse_number_of_unknown_locale(n) for n in ("3,5", "1 234.5", "1.234,5", "-0,2°", "some")]
+    [3.5, 1234.5, 1234.5, -0.2, None]
     """
     bare = _GROUPED.sub("", said.strip().removesuffix("°").strip())
     dot, comma = bare.rfind("."), bare.rfind(",")
@@ -42,10 +42,9 @@ def interpretations_of_ambiguous_number(said: str, *, decimal: str) -> tuple[str
     Who writes 3,5 sets thousands apart with a point, and may have typed a point for a comma; who
     writes 3.5 the other way round.
 
-    >>> readings("8.000", decimal=","), readings("8,000", decimal=".")
-    (('8,000', '8000'), ('8.000', '8000'))
-    >>> readings("8.000", decimal="."), readings("0.125", decimal=","), readings("2.5", decimal=",")
-    (None, None, None)
+    >>> interpretations_of_ambiguous_number("8.000", decimal=",")
+    ('8,000', '8000')
+    >>> interpretations_of_ambiguous_number("8.000", decimal=".")
     """
     bare = said.strip().removesuffix("°").strip()
     other = "." if decimal == "," else ","

@@ -68,7 +68,7 @@ def compare_given_torque(of: RelationContext) -> ComparedValues:
     yield ComparedValue(("torque",), value, ("engine.torque", "gearbox.ratios"))
 
 
-def compare_withheld_torque(of: RelationContext) -> ComparedValues:
+def compare_given_torque_over_what_engine_and_tyres_allow(of: RelationContext) -> ComparedValues:
     """Torque of the file over the smaller of the engine's in its lowest gear and the tyres'."""
     if of.application.torque is None or of.application.engine is None:
         return
@@ -190,7 +190,7 @@ def compare_coast_torque(of: RelationContext) -> ComparedValues:
     yield ComparedValue(("coast_torque",), value, ("engine.torque", "gearbox.ratios"))
 
 
-def compare_coast_over_drive(of: RelationContext) -> ComparedValues:
+def compare_overrun_torque_over_drive_torque(of: RelationContext) -> ComparedValues:
     """Overrun torque over the torque that drives, both as the file gives them."""
     value = ratio(of.application.coast_torque, of.application.torque or None)
     yield ComparedValue(("coast_torque",), value, ("torque",))

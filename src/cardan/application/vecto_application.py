@@ -15,7 +15,7 @@ MAX_COMMENT = 160
 """Characters of a name or comment that come from a job."""
 
 
-def application_of_job(job: VectoJob) -> str:
+def application_text_of_vecto_job(job: VectoJob) -> str:
     """Return a commented application of a job's powertrain.
 
     Each value of the job stands with the file and the key that it came from. Geometry, of which a

@@ -55,7 +55,7 @@ def text_with_wheelbase(
         msg = "states with a geometry of their own stay as they are: change the wheelbase by hand"
         raise DesignError(msg)
     shift, changes = wheelbase - now, FileChanges()
-    for installed in lengthened_lines(application) if abs(shift) > 1e-9 else ():
+    for installed in lines_that_follow_rear_axle(application) if abs(shift) > 1e-9 else ():
         changes |= _line_changes(installed, shift, editor)
     for unit in UNITS:
         if f"vehicle.wheelbase_{unit}" in editor:
@@ -63,7 +63,7 @@ def text_with_wheelbase(
     return editor.with_changes(changes)
 
 
-def lengthened_lines(application: Application) -> tuple[InstalledLine, ...]:
+def lines_that_follow_rear_axle(application: Application) -> tuple[InstalledLine, ...]:
     """Return the lines from the gearbox to a rear axle: those between axles move as they are."""
     return tuple(
         i

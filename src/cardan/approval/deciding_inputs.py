@@ -61,7 +61,7 @@ class DecidingInput:
     fails_at: float
 
     @property
-    def printed(self) -> float:
+    def rounded_outward(self) -> float:
         """Where it fails in three digits, or more if those add too much; rounded outward."""
         change = self.fails_at - self.given
         end = self.fails_at + OUTWARD_SHARE * change

@@ -9,14 +9,14 @@ from cardan.checks.line_response import LineResponse
 from cardan.core.arrays import FloatArray
 from cardan.core.verdict import Limit
 
-LimitBound: TypeAlias = Literal["normal", "maximum"]
-LIMIT_BOUND_NAMES: tuple[LimitBound, ...] = ("normal", "maximum")
+LimitBoundName: TypeAlias = Literal["normal", "maximum"]
+LIMIT_BOUND_NAMES: tuple[LimitBoundName, ...] = ("normal", "maximum")
 
 MARGIN_CAP = 10.0
 """Margins are cut here."""
 
 
-def margins(*responses: LineResponse, to: LimitBound) -> FloatArray:
+def margins(*responses: LineResponse, to: LimitBoundName) -> FloatArray:
     """Return every margin of lines, (..., limits x states x parts), cut where it is plenty.
 
     To the maximum, what can only warn has plenty.
@@ -25,7 +25,7 @@ def margins(*responses: LineResponse, to: LimitBound) -> FloatArray:
     return np.concatenate(each, axis=-1)
 
 
-def margins_to_both_bounds(*responses: LineResponse) -> dict[LimitBound, FloatArray]:
+def margins_to_both_bounds(*responses: LineResponse) -> dict[LimitBoundName, FloatArray]:
     """Return every margin of lines to either bound, evaluated once."""
     questions = [(r, tuple(evaluate_limits(r))) for r in responses]
     return {
@@ -35,7 +35,7 @@ def margins_to_both_bounds(*responses: LineResponse) -> dict[LimitBound, FloatAr
 
 
 def _margins(
-    response: LineResponse, questions: tuple[EvaluatedLimit, ...], *, to: LimitBound
+    response: LineResponse, questions: tuple[EvaluatedLimit, ...], *, to: LimitBoundName
 ) -> FloatArray:
     cases = response.layout.points.shape[:-3]
     each = [

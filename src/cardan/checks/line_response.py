@@ -186,8 +186,8 @@ def compute_line_response(
     """Return the response of a line, as installed or moved, and with other yoke phases.
 
     `lay` says where the line runs, (..., S), at the torques of a demand: as its own layout, or
-    with bearings and axle moved (`Demand.corrected`). That and `phases` (..., n-1) may bring
-    variants on axes before the states; give the phases of V variants as (V, 1, n-1).
+    with bearings and axle moved (`LineStateDemand.corrected_layout`). That and `phases` (..., n-1)
+    may bring variants on axes before the states; give the phases of V variants as (V, 1, n-1).
     """
     line = demand.installed.line
     return LineResponse(

@@ -248,7 +248,7 @@ class MountLoads:
             return linear
         return np.where(solved.is_solved[:, None], solved.force(name), linear)
 
-    def evaluated_points(self, name: str) -> LineOperatingPoints | None:
+    def points_of_evaluated_force(self, name: str) -> LineOperatingPoints | None:
         """Return the points (..., S, n-2) of `evaluated_force`; None where a line has none."""
         linear, solved = self.worst_bearing_forces.get(name), self.stop_response
         if linear is None or solved is None:

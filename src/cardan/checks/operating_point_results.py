@@ -55,12 +55,9 @@ def map_results(change: Callable[..., Any], *of: OperatingPointResults) -> Opera
     )
 
 
-def largest_point(p: OperatingPointResults, force: str, rank: int = 0) -> OperatingPointResults:
-    """Return the point where a force is largest, of each bearing by itself, (..., S, n-2).
-
-    Or that of the next larger ones, by `rank`.
-    """
-    return largest_points(p, force, rank + 1)[-1]
+def largest_point(p: OperatingPointResults, force: str) -> OperatingPointResults:
+    """Return the point where a force is largest, of each bearing by itself, (..., S, n-2)."""
+    return largest_points(p, force, 1)[0]
 
 
 def largest_points(p: OperatingPointResults, force: str, count: int) -> list[OperatingPointResults]:

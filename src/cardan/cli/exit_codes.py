@@ -18,10 +18,10 @@ from typing import Any, NoReturn, TypeVar
 
 import click
 
-from cardan import __version__
 from cardan.cli.language import locale_language
 from cardan.core.errors import CardanError
 from cardan.core.interrupts import EXIT_INTERRUPTED, interrupts_raised
+from cardan.core.version import __version__
 
 EXIT_NOT_APPROVED, EXIT_INVALID_INPUT, EXIT_INTERNAL_ERROR, EXIT_BROKEN_PIPE = 1, 2, 3, 141
 BUG_REPORT_GUIDE = "CONTRIBUTING.md"

@@ -31,8 +31,8 @@ from cardan.cli.life_overview import is_overview, print_overview
 from cardan.cli.life_tables import (
     TABLE_NAMES,
     TablePaths,
+    add_output_table_options,
     check_tables,
-    table_options,
     write_tables,
 )
 from cardan.cli.option_groups import GroupedOptionsCommand
@@ -121,7 +121,7 @@ class _LifeCommand(GroupedOptionsCommand):
 @_analysis_options
 @JSON_OPTION
 @click.option("--plot", type=OUTPUT_PATH, callback=_check_plot_suffix, help="A figure: svg, png.")
-@table_options
+@add_output_table_options
 @report_options
 @ALLOW_FILES_OUTSIDE_FOLDER_OPTION
 @LANG_OPTION

@@ -23,7 +23,7 @@ _HELP = {
 TABLE_NAMES = tuple(_HELP)
 
 
-def table_options(command: Callable[..., None]) -> Callable[..., None]:
+def add_output_table_options(command: Callable[..., None]) -> Callable[..., None]:
     """Add an option for each table; the command gets them as `tables`."""
 
     @wraps(command)

@@ -7,7 +7,6 @@ from typing import Any
 
 import click
 
-from cardan import __version__
 from cardan.cli.ascii_fallback import install_ascii_fallback
 from cardan.cli.exit_codes import (
     command_line_error,
@@ -15,6 +14,7 @@ from cardan.cli.exit_codes import (
     usage_command_error,
 )
 from cardan.cli.standard_streams import open_standard_streams
+from cardan.core.version import __version__
 
 # Matrices here are small and many: BLAS's own threads cost more than they bring. Before NumPy.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

@@ -260,11 +260,13 @@ def _check_wheelbase(own: Path | None, from_: float) -> None:
 
 def _advice(before: Any, after: Any, *, after_file: Path, say: Any) -> Any:
     """Yield how much longer the last shafts are, and whether a further shaft is needed."""
-    from cardan.application.wheelbase import lengthened_lines
+    from cardan.application.wheelbase import lines_that_follow_rear_axle
     from cardan.approval.approval import approve_driveline
     from cardan.core.units import mm
 
-    for was, now in zip(lengthened_lines(before), lengthened_lines(after), strict=True):
+    for was, now in zip(
+        lines_that_follow_rear_axle(before), lines_that_follow_rear_axle(after), strict=True
+    ):
         last, old = now.line.shafts[-1], was.line.shafts[-1]
         yield say(
             "Line {line}: shaft {number} is {length} mm long in place of {before} mm.",

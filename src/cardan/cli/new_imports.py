@@ -119,11 +119,13 @@ def _duty(imports: ImportedFiles, application: "Application") -> "DutyCollective
 def _base(imports: ImportedFiles, kind: str | None, own: Path | None) -> tuple[str, list[str]]:
     """Return the text that the files change, and what a job says that is not carried over."""
     if imports.job is not None:
-        from cardan.application.vecto_application import application_of_job
+        from cardan.application.vecto_application import application_text_of_vecto_job
         from cardan.application.vecto_job import read_job
 
         job = read_job(imports.job)
-        return application_of_job(job), [f"{job.path.name}: {one}." for one in job.remarks]
+        return application_text_of_vecto_job(job), [
+            f"{job.path.name}: {one}." for one in job.remarks
+        ]
     if own is not None:
         from cardan.schema.yaml_tree import read_text
 

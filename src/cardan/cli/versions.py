@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 
-from cardan import __version__
+from cardan.core.version import __version__
 
 _REQUIREMENT = re.compile(r"([\w.-]+)(?:.*extra == ['\"](\w+)['\"])?")
 _DEVELOPERS_EXTRAS = {"test", "browser", "mutants", "oracles", "bench", "lint", "docs"}

@@ -40,7 +40,7 @@ def matrix_axes_first(values: Any, *, of: int) -> Any:
 
 
 def matrix_axes_last(values: Any, *, of: int) -> Any:
-    """Return the reverse of `leading`."""
+    """Return the reverse of `matrix_axes_first`."""
     return np.moveaxis(values, range(of), range(-of, 0))
 
 

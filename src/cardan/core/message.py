@@ -22,7 +22,7 @@ class TranslatableMessage:
 def translatable_message(text: str, /, **values: object) -> TranslatableMessage:
     """Return a sentence with its values.
 
-    >>> str(message("{count} samples missing", count=8))
+    >>> str(translatable_message("{count} samples missing", count=8))
     '8 samples missing'
     """
     return TranslatableMessage(text, tuple(values.items()))

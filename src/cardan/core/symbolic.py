@@ -1,17 +1,18 @@
 """What a function computes, written out: the same lines that arrays run through, as a formula.
 
 A symbol is an array of a library of its own. A function of the physics that computes with
-operators and with what `floats` gives it takes symbols for numbers, and what comes back is
-the formula that it is:
+operators and with what `array_library_and_floats` gives it takes symbols for numbers, and what
+comes back is the formula that it is:
 
-    of = written(critical_speed, "L", outer="D", inner="d", youngs_modulus="E", density="ρ")
+    of = trace_expression(slender_tube_critical_speed, "L", outer="D", inner="d",
+                          youngs_modulus="E", density="ρ")
 
     str(of)                         (π / L)² √(E (D² + d²) / (16 ρ))
     of.latex                        the same for pages that set mathematics
-    of.cells(L="B4/1000", ...)      the same for a spreadsheet, of the cells that hold them
+    of.to_spreadsheet(L="B4/1000", ...)      the same for a spreadsheet, of the cells that hold them
 
 So no equation is written next to the code that computes it. Complex numbers are taken apart
-for a spreadsheet, which holds one in two cells: `phasor` and `pair`.
+for a spreadsheet, which holds one in two cells: `to_spreadsheet_pair`.
 """
 
 import math

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from cardan import __version__
 from cardan.application.source_location import locate_yaml_address
 from cardan.approval.approval import Approval
 from cardan.core.labels import Part
 from cardan.core.verdict import Check, UnevaluatedCheck
+from cardan.core.version import __version__
 from cardan.documents.criteria import criteria_of, full_condition_text, full_name, limit_qualifiers
 from cardan.model.application import Application
 from cardan.render.check_texts import limit_text, unit_text, value_text

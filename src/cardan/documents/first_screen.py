@@ -552,7 +552,7 @@ def _deciding_input_text(one: DecidingInput, say: Translator) -> str:
     return say(
         "{key} {value} ({given} given)",
         key=one.key.removeprefix("driveline."),  # a file of one line has no other
-        value=say.compact_number(one.printed),
+        value=say.compact_number(one.rounded_outward),
         given=say.compact_number(one.given),
     )
 

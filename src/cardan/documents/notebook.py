@@ -54,7 +54,7 @@ class Markup(str):
 def html_element(name: str, *inside: str, **attributes: AttributeValue) -> Markup:
     """Return an element around texts, which are escaped, and markup, which is not.
 
-    >>> tag("b", "1 < 2", tag("i", "&"))
+    >>> str(html_element("b", "1 < 2", html_element("i", "&")))
     '<b>1 &lt; 2<i>&amp;</i></b>'
     """
     safe = [i if isinstance(i, Markup) else escape(i) for i in inside]

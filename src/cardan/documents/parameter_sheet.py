@@ -11,9 +11,9 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from cardan import __version__
 from cardan.approval.approval import Approval
 from cardan.checks.line_response import LineResponse
+from cardan.core.version import __version__
 from cardan.model.parts import CentreBearing, Flange, JointSize, Shaft
 from cardan.physics.loads.rubber_mount import DEFAULT_LOSS_FACTOR
 

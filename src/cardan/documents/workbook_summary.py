@@ -113,7 +113,7 @@ def _write_deciding_checks(sheet: SheetWriter, criteria: CriteriaSheet) -> None:
     say, book, exported = sheet.book.say, sheet.book, criteria.exported_cells
     heads = (say("What decides"), say("where it is worst"), say("value"), "", say("bound"),
              say("unit"), say("margin"), say("verdict"))  # fmt: skip
-    _write_texts(sheet, heads, bold=True)
+    _write_headings(sheet, heads)
     first = sheet.row
     styles = (book.plain, book.plain, book.short, book.plain, book.short, book.plain, book.margin,
               book.verdict)  # fmt: skip
@@ -129,11 +129,10 @@ def _write_deciding_checks(sheet: SheetWriter, criteria: CriteriaSheet) -> None:
     sheet.row += 1
 
 
-def _write_texts(sheet: SheetWriter, cells: Sequence[str], *, bold: bool = False) -> None:
-    """Write a row of texts."""
-    style = sheet.book.section if bold else sheet.book.plain
+def _write_headings(sheet: SheetWriter, cells: Sequence[str]) -> None:
+    """Write a row of headings."""
     for k, cell in enumerate(cells):
-        sheet.sheet.write_string(sheet.row, k, cell, style)
+        sheet.sheet.write_string(sheet.row, k, cell, sheet.book.section)
     sheet.row += 1
 
 
@@ -182,9 +181,7 @@ def _insert_charts(sheet: SheetWriter, r: LineResponse, *, several: bool) -> Non
     title = say("as computed, largest of its parts")
     sheet.write_stale_mark(0)
     sheet.row += 1
-    _write_texts(
-        sheet, (f"{r.line.name}: {title}" if several else title, say("unit"), *states), bold=True
-    )
+    _write_headings(sheet, (f"{r.line.name}: {title}" if several else title, say("unit"), *states))
     head, placed = sheet.row, []
     for rows in charts:
         start = sheet.row

@@ -34,7 +34,7 @@ SCAN_BYTES, ROWS_AT_ONCE = 1 << 20, 1 << 14
 MAX_HEAD_LINES, MAX_LINE_LETTERS = 64, 1 << 16
 MIN_STEP_DIGITS = 3
 """Digits that a step is printed with at least: zeros behind them are not written."""
-MAX_RELATIVE_TIME_S = 1e6
+MAX_TIME_FROM_RECORDING_START_S = 1e6
 """Times above it count from a date, and not from the beginning: s."""
 
 
@@ -226,7 +226,11 @@ def _table_of_own_times(
 ) -> RecordingFileColumns:
     """Return a channel and its own times as a table; rows behind its end have neither."""
     stated = first[2 * k].replace(",", ".")
-    absolute = is_number(stated, ".") and bool(stated) and abs(float(stated)) > MAX_RELATIVE_TIME_S
+    absolute = (
+        is_number(stated, ".")
+        and bool(stated)
+        and abs(float(stated)) > MAX_TIME_FROM_RECORDING_START_S
+    )
     step = segment.steps[k]
 
     def rows(places: tuple[int, ...]) -> Iterator[FloatArray]:

@@ -286,7 +286,7 @@ def _missing_sample_notes(path: Path, segments: list[Any]) -> tuple[str, ...]:
 
 _RunsByChannel: TypeAlias = dict[tuple[str, int], _SampleRuns]
 """Of each channel by its path, and by which of its scalers, `PLAIN` without one."""
-NO_SCALER_ID = -1
+ID_OF_UNSCALED_CHANNEL = -1
 _RAW_STAMP = np.dtype("V16")
 
 
@@ -339,7 +339,7 @@ def _add_plain_segment(found: _RunsByChannel, s: Any, own: list[Any]) -> None:
         big, inside = int(bool(s.toc_mask & _BIG_ENDIAN_FLAG)), before if rows else 0
         place = {"step": width or size, "inside": inside, "big": big}
         kind = _RAW_STAMP if o.data_type is TimeStamp else o.data_type.nptype
-        runs = _runs_of_channel(found, o.path, NO_SCALER_ID, kind)
+        runs = _runs_of_channel(found, o.path, ID_OF_UNSCALED_CHANNEL, kind)
         if rows or o.data_size == chunk:  # chunks that follow each other are one
             runs.add(s.data_position, size=1, chunks=1, count=whole * n + ends, **place)
         else:
@@ -382,7 +382,7 @@ def _add_daqmx_segment(found: _RunsByChannel, s: Any, own: list[Any]) -> None:
                 msg = f"{o.path} lies at {inside} in rows of {width} bytes"
                 raise ValueError(msg)
             raw = o.data_type is DaqMxRawData
-            kind, name = scaler.data_type.nptype, scaler.scale_id if raw else NO_SCALER_ID
+            kind, name = scaler.data_type.nptype, scaler.scale_id if raw else ID_OF_UNSCALED_CHANNEL
             runs = _runs_of_channel(found, o.path, name, kind, scaler.postprocess_data)
             place = {
                 "step": width,
@@ -423,7 +423,7 @@ def _waveform_table(
     first_stamp = 0
     start = 0.0 if axis.instant is None else (axis.instant - earliest) * 1e-9
     if instants:
-        first_stamp = _first_stamp(path, found[items[instants[0]].path, NO_SCALER_ID])
+        first_stamp = _first_stamp(path, found[items[instants[0]].path, ID_OF_UNSCALED_CHANNEL])
         start = (first_stamp - earliest) * 1e-9 if earliest else 0.0
 
     def pieces(places: tuple[int, ...]) -> Iterator[FloatArray]:
@@ -447,7 +447,7 @@ def _waveform_table(
                 ]
                 yield np.stack(
                     [
-                        (x[NO_SCALER_ID] - first_stamp) * 1e-9
+                        (x[ID_OF_UNSCALED_CHANNEL] - first_stamp) * 1e-9
                         if c.dtype.kind == "M"
                         else _apply_scales(c, x)
                         for (c, _), x in zip(own, raw, strict=True)
@@ -504,7 +504,11 @@ def _apply_scales(channel: Any, raw: dict[int, Any]) -> FloatArray:
     )
 
     kind = RawChannelDataChunk
-    chunk = kind.channel_data(raw[NO_SCALER_ID]) if NO_SCALER_ID in raw else kind.scaler_data(raw)
+    chunk = (
+        kind.channel_data(raw[ID_OF_UNSCALED_CHANNEL])
+        if ID_OF_UNSCALED_CHANNEL in raw
+        else kind.scaler_data(raw)
+    )
     try:
         return np.asarray(channel._scale_data(chunk), float)
     except Exception as error:  # what it has no name for it raises as just that

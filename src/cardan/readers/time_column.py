@@ -42,7 +42,7 @@ MIN_ROWS_OF_RATE_CHANGE = 200
 """Rows on either side of a change of the rate: fewer are jitter."""
 MAX_RATE_CHANGE = 0.01
 MAX_HOLE_S = 3600.0
-COARSE_STAMP_SAMPLES = 0.3
+MAX_PRINTED_CLOCK_STEP_SAMPLES = 0.3
 """Samples that the last printed digit of a clock may be worth: above it they are counted."""
 
 MAX_COLUMNS_LISTED = 12
@@ -444,7 +444,7 @@ def _coarse_rate(t: FloatArray) -> tuple[float, float] | None:
         slope = float(np.polyfit(k, t[:many], 1)[0])
         off = float(np.ptp(t[:many] - k * slope))
         if slope > 0 and off <= 1.1 * resolution + 1e-9:
-            if off < COARSE_STAMP_SAMPLES * slope:
+            if off < MAX_PRINTED_CLOCK_STEP_SAMPLES * slope:
                 return None
             return _whole_rate(1 / slope, resolution / (many * slope)), resolution
         many //= 2

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import field
 from typing import TYPE_CHECKING, TypeAlias
 
-from cardan import __version__
 from cardan.core.lazy_dataclass import dataclass
+from cardan.core.version import __version__
 
 if TYPE_CHECKING:
     from cardan.render.svg import Figure

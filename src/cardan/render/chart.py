@@ -268,11 +268,9 @@ class Chart:
             )
         self.add_elements(svg.text(a, b, said, font_size=10.5, fill=colour))
 
-    def add_envelope(
-        self, x: FloatArray, low: FloatArray, high: FloatArray, *, name: str, index: int = 0
-    ) -> None:
+    def add_envelope(self, x: FloatArray, low: FloatArray, high: FloatArray) -> None:
         """Fill from the lowest to the highest value of columns (n,); a gap where one is nan."""
-        colour = SERIES_COLOURS[index % len(SERIES_COLOURS)]
+        colour = SERIES_COLOURS[0]
         known = np.isfinite(low) & np.isfinite(high)
         turns = np.flatnonzero(np.diff(known.astype(np.int8), prepend=0, append=0))
         for first, last in turns.reshape(-1, 2):
@@ -283,8 +281,6 @@ class Chart:
             self.add_elements(
                 svg.path(px, py, close=True, fill=colour, stroke=colour, stroke_width=0.8)
             )
-        if name:
-            self.add_legend_entry(name, index)
 
     def add_legend_swatch(self, name: str, colour: str) -> None:
         """Name a fill in the legend."""
@@ -403,7 +399,6 @@ def bar_chart(
     categories: Sequence[str],
     groups: Sequence[tuple[str, FloatArray]],
     y_label: str,
-    x_label: str = "",
     levels: Sequence[ReferenceLine] = (),
     bands: Sequence[LimitBand] = (),
     top: float | None = None,
@@ -418,7 +413,7 @@ def bar_chart(
         say=say,
         x=(-0.5 - spare, len(categories) - 0.5 + spare),
         y=y,
-        x_label=x_label,
+        x_label="",
         y_label=y_label,
         categories=tuple(categories),
     )
@@ -450,7 +445,6 @@ def line_chart(
     bands: Sequence[LimitBand] = (),
     levels: Sequence[ReferenceLine] = (),
     zero: bool = False,
-    equal: bool = False,
     x: tuple[float, float] | None = None,
     y: tuple[float, float] | None = None,
     categories: tuple[str, ...] = (),
@@ -466,7 +460,6 @@ def line_chart(
         y=y or axis_range(*(s.y for s in series), *(lv.value for lv in levels), zero=zero),
         x_label=x_label,
         y_label=y_label,
-        equal_aspect=equal,
         categories=categories,
         x_logarithmic=x_logarithmic,
         y_logarithmic=y_logarithmic,

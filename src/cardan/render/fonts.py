@@ -50,7 +50,7 @@ ZERO_WIDTH_SPACE = "\u200b"
 def truncate(text: str, most: int) -> str:
     """Return a text of a number of characters at most, its end cut off where it is longer.
 
-    >>> shortened("centre bearing", 7)
+    >>> truncate("centre bearing", 7)
     'centre…'
     """
     return text if len(text) <= most else text[: most - 1].rstrip() + "…"
@@ -68,7 +68,7 @@ def replace_missing_characters(
 ) -> str:
     """Return a text in letters the fonts have.
 
-    >>> shown("牵引车 tractor")
+    >>> replace_missing_characters("牵引车 tractor")
     '□□□ tractor'
     """
     return "".join(c if c in letters else MISSING_GLYPH for c in _normalised(text))

@@ -163,7 +163,7 @@ class Translator:
     def count(self, one: str, many: str, count: int, /, **values: object) -> str:
         """Return a text in the form that a count takes; {count} in it is the count.
 
-        >>> EN.count("{count} shaft", "{count} shafts", 2)
+        >>> ENGLISH.count("{count} shaft", "{count} shafts", 2)
         '2 shafts'
         """
         forms = (

@@ -5,13 +5,13 @@ from typing import Any
 
 import numpy as np
 
-from cardan import __version__
 from cardan.application.quantity_lookup import declared_quantity
 from cardan.approval.coverage import CheckCoverage
 from cardan.approval.data_provenance import CatalogueDatum
 from cardan.core.labels import EvaluationCondition, OperatingPoint, OrderCrossing, Part
 from cardan.core.units import rpm
 from cardan.core.verdict import Check, UnevaluatedCheck
+from cardan.core.version import __version__
 
 JSON_FORMAT_VERSION = ".".join(__version__.split(".")[:2])
 

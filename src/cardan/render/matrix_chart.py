@@ -32,10 +32,9 @@ def matrix_chart(
     y_label: str,
     values: str,
     height: float = CHART_HEIGHT_PX,
-    diagonal: bool = False,
     note: str = "",
 ) -> Figure:
-    """Return a chart of a matrix whose legend is the logarithmic scale of its colours.
+    """Return a chart of a matrix and its diagonal; the legend is the scale of its colours.
 
     Parameters
     ----------
@@ -47,8 +46,6 @@ def matrix_chart(
         Of a cell along both axes.
     values
         What the values are, for the legend.
-    diagonal
-        Whether the line of equal values along both axes is drawn.
     """
     chart = Chart(say=say, x=x, y=y, x_label=x_label, y_label=y_label, height=height)
     (left, right), (bottom, top) = chart.to_pixels(np.array(x), np.array(y))
@@ -65,10 +62,9 @@ def matrix_chart(
         )
         colour = colours[max(int(power), lowest)]
         chart.add_elements(svg.rect(px1, py2, px2 - px1, py1 - py2, fill=colour))
-    if diagonal:
-        low, high = max(x[0], y[0]), min(x[1], y[1])
-        ends = (*chart.point_to_pixels(low, low), *chart.point_to_pixels(high, high))
-        chart.add_elements(svg.line(*ends, stroke=SECONDARY_COLOUR, stroke_dasharray="4 3"))
+    low, high = max(x[0], y[0]), min(x[1], y[1])
+    diagonal = (*chart.point_to_pixels(low, low), *chart.point_to_pixels(high, high))
+    chart.add_elements(svg.line(*diagonal, stroke=SECONDARY_COLOUR, stroke_dasharray="4 3"))
     for power in range(lowest, highest + 1) if len(cells) else ():
         begins, ends = _bound(power, say), _bound(power + 1, say)
         said = f"{begins} … {ends}" if power > lowest or lowest == highest else f"< {ends}"

@@ -6,7 +6,6 @@ from math import isinf, pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from cardan import __version__
 from cardan.application.limit_profiles import INLINE_LIMITS_NAME
 from cardan.application.quantity_lookup import declared_quantity
 from cardan.approval.study import StudyResult
@@ -24,6 +23,7 @@ from cardan.core.verdict import (
     Verdict,
     worst_first_key,
 )
+from cardan.core.version import __version__
 from cardan.model.adjustments import ADJUSTMENTS
 from cardan.model.application import PermittedAdjustment
 from cardan.render.blocks import ReportDateAndSourceStamp
@@ -480,7 +480,7 @@ def source_digitisation_phrase(source: Source, say: Translator) -> str:
     return "; ".join((say(source.how_read), *differ))
 
 
-def document_stamp_facts(
+def source_date_and_version_facts(
     issue: ReportDateAndSourceStamp, say: Translator
 ) -> Iterator[tuple[str, str]]:
     """Yield what distinguishes this report from another."""

@@ -63,7 +63,7 @@ class Field:
         """Note that a node is not what this rule reads, and give it up."""
         if isinstance(here.node, Scalar) and here.node.value is None:
             here.reject(f"has no value; it must be {self.singular}")
-        here.reject(f"must be {self.singular}", hint, got=here.node.brief)
+        here.reject(f"must be {self.singular}", hint, got=here.node.shortened_text)
 
 
 OTHER_UNITS: dict[str, dict[str, float]] = {
@@ -131,10 +131,10 @@ class NumberField(Field):
             here.reject(
                 message,
                 self.other_unit_hint(float(np.max(np.abs(value))), here.unit, stem),
-                got=here.node.brief,
+                got=here.node.shortened_text,
             )
         if values_of_first_violating_case(abs(value) < MAX_NUMBER, value):
-            here.reject(f"must be within ±{MAX_NUMBER:g}", got=here.node.brief)
+            here.reject(f"must be within ±{MAX_NUMBER:g}", got=here.node.shortened_text)
         return value * worth
 
     def other_unit_hint(self, written: float, unit: str, stem: str) -> str:

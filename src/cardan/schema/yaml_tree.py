@@ -51,7 +51,7 @@ class Scalar:
         return int(self.text) if self.text.lstrip("+-").isdigit() else float(self.text)
 
     @property
-    def brief(self) -> str:
+    def shortened_text(self) -> str:
         """The value as an error shows it."""
         shown = to_one_line(repr(self.text) if self.quoted else (self.text or "nothing"))
         return shown if len(shown) <= 40 else f"{shown[:37]}..."
@@ -83,7 +83,7 @@ class Sequence:
         return [item.value for item in self.items]
 
     @property
-    def brief(self) -> str:
+    def shortened_text(self) -> str:
         """The list as an error shows it."""
         return "an empty list" if not self.items else f"a list of {len(self.items)}"
 
@@ -104,7 +104,7 @@ class Mapping:
         return {key: node.value for key, (_, node) in self.entries.items()}
 
     @property
-    def brief(self) -> str:
+    def shortened_text(self) -> str:
         """The table as an error shows it."""
         return "a table" if self.entries else "an empty table"
 

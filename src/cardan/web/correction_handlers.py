@@ -8,6 +8,7 @@ import numpy as np
 
 from cardan.application.layout_writer import FileChanges
 from cardan.application.paste_import import parse_localised_number
+from cardan.application.variant_sampling import VARIANTS_PER_CHUNK
 from cardan.approval.applied_adjustments import (
     AppliedAdjustment,
     all_adjustments,
@@ -36,7 +37,6 @@ from cardan.topics.design.phrases import (
 )
 from cardan.topics.variants.evaluation import (
     UNEVALUATED_GRADE_CODE,
-    VARIANTS_PER_CHUNK,
     InputVariationSpec,
     LimitResults,
     VariantEvaluator,

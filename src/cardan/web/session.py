@@ -32,9 +32,9 @@ from math import inf
 from pathlib import Path
 from typing import Any, Protocol, get_args
 
-from cardan import __version__
 from cardan.application.limit_profiles import profile_names as profiles
 from cardan.core.errors import CardanError
+from cardan.core.version import __version__
 from cardan.physics.vehicle.operating_points import DriveMode
 from cardan.render.i18n import LANGUAGE_CODES, Translator
 from cardan.schema.node_reader import FileChangeStamp, file_stamp

@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from cardan import __version__
 from cardan.application import reader
 from cardan.core.errors import MissingDependencyError
+from cardan.core.version import __version__
 from cardan.render.i18n import Translator
 from cardan.web import ui_texts as words
 from cardan.web.handlers import handle_request

@@ -40,7 +40,9 @@ def test_printed_value_is_exceeded_and_little_less_is_not(name):
     assert found is not None
     check, one = found.check, found.inputs[0]
     for share, exceeded in ((0.98, False), (1.0, True)):
-        changed = change(app, {one.key: one.given + share * (one.printed - one.given)}, warn=False)
+        changed = change(
+            app, {one.key: one.given + share * (one.rounded_outward - one.given)}, warn=False
+        )
         same = [
             c.grade == "fail"
             for c in approve_driveline(changed).checks
@@ -56,7 +58,7 @@ def test_printed_value_is_exceeded_and_little_less_is_not(name):
      (-5, -5.634, -5.64), (101.6, 91.32, 91.3)],
 )  # fmt: skip
 def test_printed_value_is_rounded_away_from_given_one(given, fails_at, printed):
-    assert DecidingInput(key="x", given=given, fails_at=fails_at).printed == printed
+    assert DecidingInput(key="x", given=given, fails_at=fails_at).rounded_outward == printed
 
 
 def test_file_that_fails_names_no_value():

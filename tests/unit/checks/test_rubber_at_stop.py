@@ -1,5 +1,7 @@
 """A line of two bearings whose rubber meets its stop, by its own integration in time."""
 
+import re
+
 import numpy as np
 import pytest
 from repository import EXAMPLES
@@ -7,9 +9,12 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 from cardan.application import reader
+from cardan.checks import rubber_at_stop
 from cardan.checks.line_response import compute_line_response
 from cardan.model.layout import layout_from_points
 from cardan.physics.loads.centre_bearing import loads_of_turning_line
+from cardan.physics.loads.half_turn_fourier import semi_major_axis
+from cardan.physics.loads.rubber_stop_response import StoppedLine, StoppedMotion
 from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.operating_points import demand_at_operating_points
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
@@ -180,3 +185,95 @@ def test_mean_force_of_sliding_thrust_at_stop_matches_statics_of_the_bent_line()
     mean = np.linalg.norm(rigid(bent) + weight[0, state, 0])
     assert solved.force("static")[state, 0] == pytest.approx(mean, rel=0.04)
     assert r.mount_loads.bearing_force("static")[state, 0] > solved.force("static")[state, 0]
+
+
+@pytest.fixture(scope="module")
+def medium():
+    return response(MEDIUM.replace("centre_bearing: {", "centre_bearing: {travel_mm: 15, "))
+
+
+@pytest.fixture(scope="module")
+def grid(medium):
+    """The medium truck's line on linear rubber, along the curves on which it comes to a stop."""
+    loads = medium.mount_loads
+    sweeps = rubber_at_stop._sweeps(
+        medium.mounts, loads.screened_forces.travel, loads.refined_forces,
+        loads.rubber_stop_travel.reshape(-1), (loads._own_stop_margin("peak") < 0).any(-1),
+    )  # fmt: skip
+    return rubber_at_stop._Grid.of(medium.mounts, sweeps, medium.mounts.mounted_line)
+
+
+def test_grid_of_linear_rubber_has_the_forces_and_travel_of_the_checks(medium, grid):
+    """Mean, orders and order 1 of each curve's points, with the worst of its thrusts."""
+    mounts, states = medium.mounts, len(medium.demand.states)
+    assert (grid.speed < 0).any()
+    assert (grid.speed > 0).any()
+    for c in range(0, len(grid.sweeps.state), 4):
+        s, of, thrust = grid.sweeps.state[c], np.full(3, c), np.arange(3)
+        points = {
+            "curve": np.full((80, states), grid.sweeps.curve[c]),
+            "speed": np.repeat(grid.sweeps.speeds[:, [c]], states, axis=1),
+        }
+        travel, force = grid.travel(of, thrust), grid.force_of(of, thrust)
+        for found, axes, gives in ((travel, 2, True), (force, 3, False)):
+            known = mounts.bearing_forces_at_points(**points, gives=gives).results
+            each = np.insert(found, 2, 0, axis=-1) if axes == 2 else found
+            mean = np.linalg.norm(each[..., 0, :], axis=-1).max(axis=1)
+            swing = semi_major_axis(rubber_at_stop._waves(each))[:, 0, 0].sum(-1)
+            assert mean == pytest.approx(known.static[:, s, 0], rel=1e-12)
+            assert swing == pytest.approx(known.dynamic[:, s, 0], rel=1e-12)
+            whole = mean + swing + (0 if gives else grid.order1[:, c, 0])
+            assert gives or whole == pytest.approx(known.peak[:, s, 0], rel=1e-12)
+
+
+def test_forces_of_a_motion_follow_it_where_the_stop_is_no_stiffer(grid):
+    """Twice linear rubber's motion beside weight has twice its force; the peak has order 1 too."""
+    of, thrust = np.arange(len(grid.sweeps.state)), np.zeros(len(grid.sweeps.state), dtype=int)
+    free = grid.travel(of, thrust)
+    line = StoppedLine(
+        free=free, receptance=np.zeros((0, 0)), stiffness=grid.stiffness[of],
+        stop=np.full((len(of), 1), 1e-9), ratio=np.ones((len(of), 1)),
+    )  # fmt: skip
+    place = np.repeat(np.arange(80.0)[:, None], len(of), axis=1)
+    one, two = (
+        grid.sizes(line, StoppedMotion(place=place, travel=k * free), of, thrust) for k in (1, 2)
+    )
+    turns = grid.speed != 0  # a line at rest loses nothing
+    assert two["dynamic"][turns] == pytest.approx(2 * one["dynamic"][turns], rel=1e-9)
+    assert two["travel"] == pytest.approx(2 * one["travel"], rel=1e-9)
+    assert two["peak"] - two["static"] - two["dynamic"] == pytest.approx(grid.order1, rel=1e-6)
+
+
+def test_push_in_proportion_to_travel_moves_the_line_as_stiffer_rubber_does(grid):
+    """A fifth more stiffness as forces of a stop, X = X₀ - C ΔK X, and in the rubber itself.
+
+    Ahead and astern, through resonance. The stop's line has fewer modes, and a stop loses twice
+    the rubber's share at order 4: 4 % of the travel in resonance.
+    """
+    harder = re.sub(
+        r"((?:vertical|lateral)_stiffness_N_mm: )(\d+)",
+        lambda found: f"{found[1]}{1.2 * float(found[2])}",
+        MEDIUM.replace("centre_bearing: {", "centre_bearing: {travel_mm: 15, "),
+    )
+    mounts, count = response(harder).mounts, len(grid.sweeps.state)
+    of, none = np.arange(count), np.zeros(count, dtype=int)
+    line = grid.line(of, none, np.array([STOP]), np.ones((count, 1)))
+    shape, more = line.free.shape, np.tile(0.2 * grid.stiffness[:, 0], (1, line.free.shape[2]))
+    matrix = np.eye(more.shape[-1]) + line.receptance * more[:, None, :]
+    moved = np.linalg.solve(matrix, line.free.reshape(*shape[:2], -1, 1)).reshape(shape)
+    expected = rubber_at_stop._Grid.of(mounts, grid.sweeps, mounts.mounted_line).travel(of, none)
+    size = np.abs(expected).max(axis=(2, 3))
+    assert (np.abs(moved - expected).max(axis=(2, 3)) / size).max() < 0.05
+    assert (np.abs(line.free - expected).max(axis=(2, 3)) / size).max() > 1
+
+
+def test_range_of_stiffness_is_solved_where_linear_rubber_has_the_largest_force(medium):
+    """No file gives the ratio: 20 in every state, 5 in the one with the largest peak force."""
+    solved, linear = medium.mount_loads.stop_response, medium.mount_loads.refined_forces
+    assert solved.ratios[:, 0].tolist() == [5.0, 20.0]
+    soft, stiff = (np.isfinite(f[:, 0]) for f in solved.forces["peak"])
+    met = np.where(stiff, np.nan_to_num(linear.results.peak[..., 0].max(axis=0)), 0.0)
+    assert soft.sum() == 1
+    assert soft[met.argmax()]
+    assert stiff.sum() > 1
+    assert solved.is_solved[stiff].all()  # followed far enough beyond linear rubber's crests

@@ -12,7 +12,12 @@ from cardan.approval.driveline_study import unevaluated_line_checks
 from cardan.checks import stroke_thrust
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.checks.quantities.registry import QUANTITIES
-from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
+from cardan.physics.vehicle.state_demand import (
+    axle_motion_under_torque,
+    demand_at_axle_motion,
+    line_state_demand,
+    resolve_line_references,
+)
 
 COLLECTOR = (EXAMPLES / "refuse-collector-6x2.yaml").read_text(encoding="utf-8")
 GVW = 2
@@ -131,6 +136,38 @@ def test_stiff_mounts_carry_thrust_of_fixed_shape():
         soft, "spline_compression_utilisation"
     )
     assert share.max() < 0.02
+
+
+def test_spline_rests_at_its_length_under_no_torque(monkeypatch):
+    """The place where it was before the launch: the line as the axle stands without torque."""
+    asked = {}
+
+    def seen(of, **given):
+        asked.update(given)
+        return stroke_compression(of, **given)
+
+    stroke_compression = stroke_thrust.stroke_compression
+    monkeypatch.setattr(stroke_thrust, "stroke_compression", seen)
+    r = line()
+    assert r.mounts.stroke_thrust is not None
+    none = np.zeros(len(r.demand.states))
+    motion = axle_motion_under_torque(
+        r.inputs.demand, none, coasts=none.astype(bool), brakes=none.astype(bool)
+    )
+    still = demand_at_axle_motion(r.inputs.demand, motion, torque=none, speed=none)
+    at_rest = r.inputs.layout_for(still).lengths[..., -1]
+    assert asked["rest_length"][0, 0] == pytest.approx(at_rest, rel=1e-9)
+    assert np.abs(asked["length"][0, 0] - at_rest).max() > 1e-4
+
+
+def test_spline_that_is_pushed_in_has_a_thrust_below_zero_and_one_drawn_out_above():
+    r = line()
+    slip = r.inputs.spline_force_at(np.asarray(r.demand.torque))
+    pushed, drawn = r.mounts.stroke_thrust.effect(r.demand.torque, slip).thrust
+    assert pushed.min() < -1000
+    assert pushed.max() <= 0
+    assert drawn.min() >= 0
+    assert drawn.max() > 1000
 
 
 @pytest.mark.slow

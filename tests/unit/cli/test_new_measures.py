@@ -1,5 +1,6 @@
 """`cardan new` from measures by the codes of ISO 21308, and a duty cycle from a recording."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -78,6 +79,17 @@ def test_load_point_of_bogie_gives_wheelbase_and_share_of_driven_axle(tmp_path, 
     assert vehicle.drive == "6x2"
     assert vehicle.wheelbase == pytest.approx((4500 + float(behind)) * mm)
     assert vehicle.driven_share == pytest.approx(1 - 540 / 1350)
+
+
+def test_wheelbase_of_two_front_axles_is_from_their_load_point(tmp_path):
+    own = tmp_path / "own.yaml"
+    run("new", own)
+    text = re.sub(r"  driven_share:.*\n", "", own.read_text("utf-8"))
+    own.write_text(text.replace("drive: 6x2", "drive: 8x4"), "utf-8")
+    table = "code;value [mm]\nBEP-L011;4500\nBEP-L013;850\nBEP-L014;675\n"
+    made, out = written(tmp_path, table, "--of", own)
+    assert made.exit_code == 0, made.stderr
+    assert reader.read(out).vehicle.wheelbase == pytest.approx((4500 + 675 - 850) * mm)
 
 
 def test_unit_of_heading_counts_and_theoretical_wheelbase_needs_nothing_else(tmp_path):

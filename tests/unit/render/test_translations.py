@@ -356,7 +356,7 @@ def test_variant_study_errors_are_translated(code):
         "topics/variants/shard_job.py",
         "topics/variants/shard_store.py",
         "topics/variants/evaluation.py",
-        "topics/variants/sampling.py",
+        "application/variant_sampling.py",
         "cli/study.py",
     )
     say, found = Translator(code), set(recordings_refused(modules))

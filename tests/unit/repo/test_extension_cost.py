@@ -253,3 +253,12 @@ def test_added_report_medium_is_written_by_check_interface_and_workbench(copy_wi
     )  # fmt: skip
     assert done.stdout.strip() == "outline text/plain"
     assert (copy_with_medium / "b.outline").exists()
+
+
+def test_page_of_additions_names_files_that_exist():
+    """Paths from the repository, the package or its `checks`, as the page has them."""
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`([\w./]+/[\w.]+\.(?:py|md|toml|json))`", page))
+    assert len(named) > 25
+    places = (ROOT, ROOT / "src" / "cardan")
+    assert sorted(one for one in named if not any((at / one).exists() for at in places)) == []

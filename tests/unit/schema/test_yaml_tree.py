@@ -280,11 +280,17 @@ def test_marks_of_windows_and_accents_do_no_harm(tmp_path):
 
 
 def test_nodes_say_briefly_what_they_are():
-    assert Scalar("x" * 60, 1, 1).brief == "x" * 37 + "..."
-    assert Scalar("12", 1, 1, quoted=True).brief == "'12'"
-    assert Scalar("", 1, 1).brief == "nothing"
-    assert [Sequence(1, 1).brief, Mapping(1, 1).brief] == ["an empty list", "an empty table"]
-    assert [tree("[1, 2]").brief, tree("{a: 1}").brief] == ["a list of 2", "a table"]
+    assert Scalar("x" * 60, 1, 1).shortened_text == "x" * 37 + "..."
+    assert Scalar("12", 1, 1, quoted=True).shortened_text == "'12'"
+    assert Scalar("", 1, 1).shortened_text == "nothing"
+    assert [Sequence(1, 1).shortened_text, Mapping(1, 1).shortened_text] == [
+        "an empty list",
+        "an empty table",
+    ]
+    assert [tree("[1, 2]").shortened_text, tree("{a: 1}").shortened_text] == [
+        "a list of 2",
+        "a table",
+    ]
 
 
 @pytest.mark.parametrize(

@@ -1,14 +1,12 @@
-r"""Linear mechanical systems whose coefficients repeat: stability, modes, forced response.
+r"""Linear mechanical systems whose coefficients repeat: their stability.
 
 $$M(t)\,\ddot q + C(t)\,\dot q + K(t)\,q = f(t),\qquad\text{period } T$$
 
 is the equation of everything a universal joint shakes. What this module knows of it:
 
-    monodromy           one period on a state; `floquet_multipliers`, `exponents`, `growth`
+    monodromy           one period on a state; `floquet_multipliers`, `growth_rate`
     hill_determinant    the same stability without integrating in time: `hill_multipliers`
-    modes               Floquet modes, the periodic shapes behind the exponents
-    response            the periodic motion under a periodic force
-    over                a function of parameters over many points, on all cores
+    in chunks           a function of parameters over many points, on all cores
 
 Cases stand on leading axes. Coefficients are given as functions of the *phase* t/T, so one
 function serves every speed.
@@ -184,9 +182,8 @@ def monodromy_matrix(system: PeriodicSystem, *, tolerance: float = 1e-10) -> Flo
     Returns
     -------
     (..., 2m, 2m)
-        State after a period over state before. Its determinant is `liouville_determinant`.
-        nan in cases
-        whose coefficients are, next to others: one without a solution ends nothing.
+        State after a period over state before; nan in cases whose coefficients are, next to
+        others: one without a solution ends nothing.
 
     Raises
     ------
@@ -208,12 +205,6 @@ def floquet_multipliers(system: PeriodicSystem, *, tolerance: float = 1e-10) -> 
     return eigenvalues(_settled(system, tolerance)[0])
 
 
-def floquet_exponents(system: PeriodicSystem, *, tolerance: float = 1e-10) -> ComplexArray:
-    """Floquet exponents, (..., 2m) 1/s, their imaginary parts within half a turn per period."""
-    rho = floquet_multipliers(system, tolerance=tolerance)
-    return np.asarray(np.log(rho) / np.asarray(system.period)[..., None], np.complex128)
-
-
 def growth_rate(system: PeriodicSystem, *, tolerance: float = 1e-10) -> FloatArray:
     """Fastest growth rate of a free motion, (...) 1/s: above 0 the system is unstable.
 
@@ -222,47 +213,6 @@ def growth_rate(system: PeriodicSystem, *, tolerance: float = 1e-10) -> FloatArr
     """
     largest = np.abs(floquet_multipliers(system, tolerance=tolerance)).max(-1)
     return np.log(largest) / np.asarray(system.period)
-
-
-def liouville_determinant(system: PeriodicSystem) -> FloatArray:
-    """Return exp(-∫ tr M⁻¹C dt) over a period, (...): what det(monodromy) must be.
-
-    Liouville's formula, with the trapezoidal rule, which is spectrally accurate on a period.
-    """
-    C, _ = system.scaled_matrices(np.arange(256) / 256)
-    return np.exp(-np.trace(C, axis1=-2, axis2=-1).mean(-1))
-
-
-def floquet_modes(
-    system: PeriodicSystem, *, samples: int = 64, tolerance: float = 1e-10
-) -> tuple[ComplexArray, ComplexArray]:
-    """Floquet modes: q(t) = e^{λt} p(t) with p periodic.
-
-    Returns
-    -------
-    exponents : (..., 2m) 1/s
-        λ, fastest growing first.
-    shapes : (..., 2m, samples, m)
-        p of each at `samples` equal phases (a power of two), largest component 1.
-    """
-    P, scale, count = _settled(system, tolerance)
-    count = max(count, samples)
-    rho, vectors = np.linalg.eig(P.astype(complex))
-    order = np.argsort(-np.abs(rho), axis=-1)
-    rho = np.take_along_axis(rho, order, -1)
-    vectors = np.take_along_axis(vectors, order[..., None, :], -1)
-    steps = _steps(system, scale, count, _STAGES[1])
-    m = P.shape[-1] // 2
-    per_step = (np.log(rho) / count)[..., None, :]
-    track = [vectors]
-    for k in range(count - 1):
-        track.append(steps[..., k, :, :] @ track[-1] * np.exp(-per_step))
-    shapes = np.stack(track[:: count // samples], axis=-3)[..., :m, :]
-    shapes = np.moveaxis(shapes, -1, -3)
-    flat = shapes.reshape(*shapes.shape[:-2], -1)
-    largest = np.take_along_axis(flat, np.abs(flat).argmax(-1)[..., None], -1)
-    rates = np.asarray(np.log(rho) / np.asarray(system.period)[..., None], np.complex128)
-    return rates, np.asarray(shapes / largest[..., None], np.complex128)
 
 
 # ----- in frequency: Hill's infinite determinant ----------------------------------------
@@ -371,7 +321,7 @@ def hill_multipliers(system: PeriodicSystem) -> ComplexArray:
     return eigenvalues(companion)
 
 
-# ----- the forced motion ----------------------------------------------------------------
+# ----- by collocation -------------------------------------------------------------------
 
 
 def differentiation_matrix(samples: int) -> FloatArray:
@@ -406,33 +356,6 @@ def collocation_operator(
     return full.reshape(*full.shape[:-4], samples * m, samples * m)
 
 
-def periodic_response(system: PeriodicSystem, force: ArrayLike) -> FloatArray:
-    """Return the periodic motion under a periodic force: exact harmonic balance.
-
-    Parameters
-    ----------
-    system
-        Cases on leading axes; with 2N+1 samples orders up to N of a period are kept.
-    force : (..., samples, m)
-        f at equal phases 0, 1/samples, ...; an odd number of them.
-
-    Returns
-    -------
-    (..., samples, m)
-        q at the same phases.
-    """
-    force = np.asarray(force, dtype=float)
-    samples, m = force.shape[-2:]
-    M, C, K = (
-        np.broadcast_to(part, np.broadcast_shapes(part.shape, (samples, m, m)))
-        for part in system.matrices(np.arange(samples) / samples)
-    )
-    full = collocation_operator(M, C, K, system.period, samples)
-    flat = force.reshape(*force.shape[:-2], samples * m, 1)
-    answer: FloatArray = np.linalg.solve(full, flat).astype(float)
-    return answer.reshape(*answer.shape[:-2], samples, m)
-
-
 # ----- many points ----------------------------------------------------------------------
 
 
@@ -450,7 +373,7 @@ def evaluate_in_chunks(
     ----------
     function
         Takes arrays of shape (points,) and returns one of the same shape, or with more
-        axes behind; `lambda speed, beta: growth(hill_equation(speed=speed, beta=beta))`.
+        axes behind; `lambda speed, beta: growth_rate(hill_equation(speed=speed, beta=beta))`.
     parameters : (...)
         Broadcast against each other.
     chunk

@@ -1,6 +1,6 @@
 r"""A vehicle from rest: its clutch or converter, its joints, its tyres, in time.
 
-The line of `branched` with its rotations counted from where it stands. Its springs and its
+The line of `torsional_network` with its rotations counted from where it stands. Its springs and its
 mean damping are linear; the rest is separate: the joints (exactly, their angles
 following the axle as it winds up), and springs that hold only so much. Such a spring of
 stiffness k carries k e, and

@@ -3,10 +3,8 @@
 A stability chart is its boundary; the area on either side needs no sampling. `zero_contour`
 starts from a coarse grid, divides only the cells the zero may cross and ends with
 bracketed steps along their edges; `instability_tongue` follows a zone from where it is wide down to
-its tip, however narrow it gets; `curve` follows one line round its turns; `edges` finds every
-zero along one parameter.
-Sources: adaptive marching squares, Lorensen & Cline (1987); pseudo-arclength continuation,
-Keller (1977).
+its tip, however narrow it gets; `find_zeros` finds every zero along one parameter.
+Source: adaptive marching squares, Lorensen & Cline (1987).
 """
 
 from collections.abc import Callable
@@ -15,8 +13,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from cardan.core.arrays import ArrayLike, FloatArray, IntArray
-from cardan.core.errors import ConvergenceError
+from cardan.core.arrays import FloatArray, IntArray
 
 MarginFunction: TypeAlias = Callable[[FloatArray, FloatArray], FloatArray]
 """A function of x (points,) and y (points,) that is positive on one side of its boundary."""
@@ -330,108 +327,3 @@ def find_zeros(
         tolerance=tolerance,
     )
     return low + s * width
-
-
-def trace_zero_contour_from_point(
-    margin: MarginFunction,
-    *,
-    start: ArrayLike,
-    x: tuple[float, float],
-    y: tuple[float, float],
-    step: float = 0.02,
-    most: int = 2000,
-    tolerance: float = 1e-8,
-) -> FloatArray:
-    """Follow the zero line through a point, round its turns, to both ends or back to itself.
-
-    Pseudo-arclength continuation in the rectangle scaled to 1 by 1: predict along the
-    tangent, correct across it, halve the step where the line bends too fast.
-
-    Parameters
-    ----------
-    margin
-        As for `zero_contour`; must be smooth along the line.
-    start : (2,)
-        A point on the line, or close to it.
-    x, y
-        The rectangle in which to follow it.
-    step
-        Longest step, as a share of the rectangle.
-    most
-        Points in each direction at most.
-    tolerance
-        Of a point, as a share of the rectangle.
-
-    Returns
-    -------
-    (points, 2)
-        In order along the line; the first equals the last if it closes.
-
-    Raises
-    ------
-    ConvergenceError
-        If no point of the line is found near `start`.
-    """
-    origin = np.array([x[0], y[0]])
-    size = np.array([x[1] - x[0], y[1] - y[0]])
-    delta = 1e-5
-
-    def look(p: FloatArray) -> tuple[float, FloatArray]:
-        """Return margin and gradient at a scaled point, five values at once."""
-        stencil = p + delta * np.array([[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])
-        place = origin + size * stencil
-        f = np.asarray(margin(place[:, 0], place[:, 1]))
-        return float(f[0]), np.array([f[1] - f[2], f[3] - f[4]]) / (2 * delta)
-
-    def settle(p: FloatArray, across: FloatArray | None) -> tuple[FloatArray, FloatArray] | None:
-        """Newton onto the line (square to `across` if given); point and gradient."""
-        for _ in range(12):
-            f, gradient = look(p)
-            if not np.all(np.isfinite([f, *gradient])) or not gradient.any():
-                return None
-            if across is None:
-                move = -f * gradient / (gradient @ gradient)
-            else:
-                normal = np.array([-across[1], across[0]])
-                slope = gradient @ normal
-                if slope == 0:
-                    return None
-                move = -f / slope * normal
-            move *= min(1.0, 0.1 / max(float(np.abs(move).max()), 1e-300))
-            p = p + move
-            if np.abs(move).max() < tolerance:
-                return p, gradient
-        return None
-
-    first = settle((np.asarray(start, dtype=float) - origin) / size, None)
-    if first is None:
-        msg = f"no zero line of the margin near {np.asarray(start)}; start closer to it"
-        raise ConvergenceError(msg)
-
-    def follow(sign: float) -> tuple[list[FloatArray], bool]:
-        p, gradient = first
-        tangent = sign * np.array([-gradient[1], gradient[0]]) / np.linalg.norm(gradient)
-        track, h = [p], step
-        while len(track) < most and h > 1e-6:
-            found = settle(p + h * tangent, tangent)
-            if found is None:
-                h /= 2
-                continue
-            new, gradient = found
-            turned = np.array([-gradient[1], gradient[0]]) / np.linalg.norm(gradient)
-            turned *= np.sign(turned @ tangent) or 1.0
-            if turned @ tangent < 0.9 or np.linalg.norm(new - p) > 2 * h:
-                h /= 2
-                continue
-            p, tangent = new, turned
-            track.append(p)
-            if np.any(p < 0) or np.any(p > 1):
-                break
-            if len(track) > 4 and np.linalg.norm(p - track[0]) < 0.75 * h:
-                return [*track, track[0]], True
-            h = min(step, 1.5 * h)
-        return track, False
-
-    ahead, closed = follow(1.0)
-    track = ahead if closed else follow(-1.0)[0][:0:-1] + ahead
-    return origin + size * np.array(track)

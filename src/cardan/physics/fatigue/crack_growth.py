@@ -86,8 +86,7 @@ def sequences_between_crack_lengths(
     """Passages of a history that grow a crack from `start` to `end`.
 
     ∫ da / (growth per passage), by Gauss-Legendre in ln a: right when one passage grows the
-    crack by little. Infinite if it stops on the way. Use `grow_cycle_by_cycle` near the end of
-    life.
+    crack by little. Infinite if it stops on the way.
     """
     if not 0 < start < end:
         msg = f"a crack must grow from above 0 to more, got {start:g} to {end:g}"
@@ -103,29 +102,3 @@ def sequences_between_crack_lengths(
     if not rate.min() > 0:
         return math.inf
     return float((half * weights).ravel() @ (a / rate))
-
-
-def grow_cycle_by_cycle(
-    start: float,
-    *,
-    cycles: Cycles,
-    law: CrackGrowthLaw,
-    shape: GeometryFactor = constant_geometry_factor,
-    end: float = math.inf,
-    step: float = 1e-3,
-) -> tuple[float, int]:
-    """Crack length after one passage, cycle by cycle, and how many cycles it survived.
-
-    The stress intensity is renewed each time the crack has grown by the share `step`, and
-    at least once a cycle. Stops at `end`, or where the law says the part breaks.
-    """
-    a, done, total, size = start, 0, cycles.count.size, 65536
-    top, bottom = cycles.top, np.minimum(cycles.start, cycles.end)
-    while done < total and a < end:
-        unit = float(shape(np.asarray(a)) * math.sqrt(math.pi * a))
-        batch = slice(done, done + size)
-        each = cycles.count[batch] * law(unit * top[batch], unit * bottom[batch])
-        path = np.cumsum(each)
-        n = max(int(np.searchsorted(path, step * a, side="right")), 1)
-        a, done, size = a + float(path[n - 1]), done + n, min(2 * n + 64, 65536)
-    return a, done

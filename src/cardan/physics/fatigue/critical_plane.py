@@ -216,9 +216,9 @@ class LoadEnvelope:
     centre : (c,)
     axes : ((c, r), ...)
         Of each ellipsoid.
-    max_cycles : (LEVELS,)
+    max_cycles : (`CYCLE_SIZE_LEVEL_COUNT`,)
         More than any sum of the loads has in a pass, by the share of the reach that they go to at
-        most: the last reach all of it, the first a `LEVELS`th. A road all day long has as many
+        most: the last reach all of it, the first one level of it. A road all day long has as many
         small ones as samples, and few as large as its worst blow.
     """
 

@@ -156,7 +156,7 @@ class RangeMeanMatrix:
         more = np.bincount(row * bins + column, cycles.count, minlength=bins * bins)
         return RangeMeanMatrix(counts + more.reshape(bins, bins), width)
 
-    def table(self) -> RainflowTable:
+    def nonempty_bins(self) -> RainflowTable:
         """Return the matrix by its bins that hold any cycle."""
         row, column = np.nonzero(self.counts)
         return RainflowTable(

@@ -15,7 +15,7 @@ RECTANGULAR_ROSETTE_ANGLES = (0.0, 45 * deg, 90 * deg)
 DELTA_ROSETTE_ANGLES = (0.0, 60 * deg, 120 * deg)
 """Angles of the grids of a rosette, from its own x axis."""
 
-MIN_TENSION_SIGN_RATIO = 0.3
+MIN_NORMAL_STRESS_SUM_TO_LARGEST_STRESS_FOR_SIGN = 0.3
 """Of the largest part of a stress, below which its sum of normal stresses is no sign."""
 MAX_PLAUSIBLE_MISES_PA = 2 * GPa
 """Von Mises' stress that no metal of a driveline bears: -9999 um/m is more."""
@@ -117,7 +117,7 @@ def signed_mises(stress: PlaneStress, *, along: FloatArray | None = None) -> Flo
 
     Good where direction and biaxiality hardly move; else count on planes. Shear has no larger one,
     and what little is added to it would turn the sign: then that of the stress `along` (3,) the
-    way it mostly swings, `swinging`.
+    way it mostly swings, `dominant_stress_direction`.
     """
     a, b, c = (1.0, 1.0, 0.0) if along is None else along
     return np.where(a * stress.x + b * stress.y + c * stress.xy < 0, -1.0, 1.0) * stress.mises
@@ -140,7 +140,9 @@ def dominant_stress_direction(stress: PlaneStress) -> FloatArray:
     u = u * np.minimum(1.0, np.quantile(size, 0.999) / np.maximum(size, 1e-300))
     way = np.linalg.eigh(u @ u.T)[1][:, -1] @ root
     tension = float(way[0] + way[1])
-    sheared = abs(tension) < MIN_TENSION_SIGN_RATIO * float(np.abs(way).max())
+    sheared = abs(tension) < MIN_NORMAL_STRESS_SUM_TO_LARGEST_STRESS_FOR_SIGN * float(
+        np.abs(way).max()
+    )
     return -way if (float((way @ parts).mean()) if sheared else tension) < 0 else way
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cardan.core.arrays import ArrayLike, BoolArray, FloatArray, IntArray
-from cardan.core.units import Metre, Radian, deg
+from cardan.core.units import deg
 from cardan.physics.fem.meshing import SUBTRIANGLE_NODES_OF_SIX_NODE_TRIANGLE, MeshNodes
 
 MIN_RE_ENTRANT_ANGLE_RAD = 20 * deg
@@ -144,21 +144,6 @@ def find_surface_edges(nodes: MeshNodes) -> SurfaceEdges:
     )
 
 
-def singular_edge_points(
-    nodes: MeshNodes, *, held: tuple[str, ...], angle: Radian = MIN_RE_ENTRANT_ANGLE_RAD
-) -> FloatArray:
-    """Points (k, 3) m along the edges where stress has no limit, however fine the mesh.
-
-    These are edges where two faces meet in a notch without a radius, turned towards each
-    other by more than `angle`, and the borders of held faces, where a clamp that cannot
-    give way ends (Williams, J. Appl. Mech. 19 (1952) 526).
-    """
-    edges = find_surface_edges(nodes)
-    on = np.isin(nodes.face_names, held)
-    sharp = (edges.turn_angle > angle) | (on[edges.faces] != on[edges.opposite_faces])
-    return nodes.points[np.unique(edges.nodes[sharp])]
-
-
 def _side(corners: FloatArray, k: int) -> tuple[FloatArray, FloatArray]:
     """Return unit normal, and unit inward direction square to it, at the middle of side k.
 
@@ -174,12 +159,3 @@ def _side(corners: FloatArray, k: int) -> tuple[FloatArray, FloatArray]:
     along = corners[:, (k + 1) % 3] - corners[:, k]
     inward = np.cross(normal, along)
     return normal, inward / np.linalg.norm(inward, axis=-1, keepdims=True)
-
-
-def is_farther_from_edges(points: FloatArray, edges: FloatArray, *, distance: Metre) -> BoolArray:
-    """Whether points (n, 3) m lie farther than a distance from points on edges (k, 3) m."""
-    from scipy.spatial import cKDTree
-
-    if not len(edges):
-        return np.ones(len(points), dtype=bool)
-    return np.asarray(cKDTree(edges).query(points)[0] > distance, dtype=bool)

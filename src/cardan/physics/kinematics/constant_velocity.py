@@ -64,8 +64,8 @@ def rotate_double_cardan(
 ) -> ChainRotation:
     """Turn a double cardan once, exactly: members are shaft, centre piece, shaft.
 
-    Parameters are those of `halves`; `phase` (...) rad is an assembly error of the centre
-    piece, whose pin axes should be parallel.
+    Parameters are those of `split_joint_angle`; `phase` (...) rad is an assembly error of the
+    centre piece, whose pin axes should be parallel.
     """
     shared = split_joint_angle(beta, front=front, rear=rear)
     first, total, phase = np.broadcast_arrays(
@@ -161,7 +161,7 @@ def double_cardan_irregularity(
     Examples
     --------
     >>> at = np.radians([20.0, 30.0])
-    >>> (100 * double_cardan_swing(at, length=0.08, ball=0.04)).round(4)
+    >>> (100 * double_cardan_irregularity(at, length=0.08, ball=0.04)).round(4)
     array([0.1889, 0.9774])
     """
     front = front_cross_to_centring_point_distance(beta, length=length, ball=ball)
@@ -176,7 +176,7 @@ def tripod_orbit_radius(beta: ArrayLike, *, radius: ArrayLike) -> FloatArray:
 
     Examples
     --------
-    >>> float((1e3 * tripod_orbit(np.radians(10), radius=20e-3)).round(5))
+    >>> float((1e3 * tripod_orbit_radius(np.radians(10), radius=20e-3)).round(5))
     0.15427
     """
     beta, r = np.asarray(beta, dtype=float), np.asarray(radius, dtype=float)

@@ -50,7 +50,7 @@ PEAK_SEARCH_BLOCK_CASES = 2048
 def true_angle_from_tangents(side: ArrayLike, top: ArrayLike) -> FloatArray:
     """Return the true angle (...) rad of view angles: tan² β = tan² βv + tan² βh.
 
-    Exact behind a member that is level in both views; `chain.joint_angles` is exact always.
+    Exact behind a member that is level in both views; `joint_chain.joint_angles` is exact always.
     Source: Elbe catalogue.
     """
     xp, side, top = array_library_and_floats(side, top)
@@ -151,7 +151,7 @@ def excitation_of_rotating_chain(
     Parameters
     ----------
     turn
-        The line, from `chain.turn`; its samples do not matter.
+        The line, from `rotate_chain`; its samples do not matter.
     speed : (...) rad/s
         Speed of the gearbox, or in overrun of the pinion.
     inertias : (..., n-1) kg m²

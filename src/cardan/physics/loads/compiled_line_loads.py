@@ -82,7 +82,7 @@ def mean_loads(
                     for x in range(3):
                         moments[k, x] = even * (u[x] + v[x])
                     continue
-                fill_frame(u, slopes[k], F)
+                fill_shaft_frame(u, slopes[k], F)
                 carried = v[0] * F[0] + v[1] * F[1] + v[2] * F[2]
                 swing = settings[k] * settings[k] * carried * e.conjugate()
                 scale = T / (uv * (1 - e2))
@@ -326,7 +326,7 @@ def pair_growths(
                 ):
                     return False
                 for k in range(n):
-                    fill_frame(directions[c, k], slopes[k], pin)
+                    fill_shaft_frame(directions[c, k], slopes[k], pin)
                     for x in range(3):
                         pin[x] *= settings[k] * crosses[k]
                     cross(pin, along[c, min(k, n - 2)], front)
@@ -415,7 +415,7 @@ def rotate_one_chain(
     return True
 
 
-def fill_frame(direction: FloatArray, slope: complex, frame: ComplexArray) -> None:
+def fill_shaft_frame(direction: FloatArray, slope: complex, frame: ComplexArray) -> None:
     """Fill the frame across a member, (3,) complex, as `ChainRotation.frames` has it."""
     frame[0] = -slope * (1 + direction[0])
     frame[1] = 1 - slope * direction[1]
@@ -514,7 +514,7 @@ def congruent(left: FloatArray, a: FloatArray, work: FloatArray, into: FloatArra
 
 def mean_loads_kernel() -> LineKernel | None:
     """Return the compiled `mean_loads`; None without numba."""
-    loop: Any = compiled(mean_loads, cross, fill_frame, rotate_one_chain)
+    loop: Any = compiled(mean_loads, cross, fill_shaft_frame, rotate_one_chain)
     return loop
 
 
@@ -533,6 +533,6 @@ def compression_kernel() -> LineKernel | None:
 def growth_kernel() -> LineKernel | None:
     """Return the compiled `pair_growths`; None without numba."""
     loop: Any = compiled(
-        pair_growths, congruent, cross, diagonalise, factor, fill_frame, rotate_one_chain
+        pair_growths, congruent, cross, diagonalise, factor, fill_shaft_frame, rotate_one_chain
     )
     return loop

@@ -18,7 +18,7 @@ from cardan.core.compiled import compiled
 ResponseKernel: TypeAlias = Callable[..., bool]
 """A compiled loop; False if a matrix is singular."""
 
-STILL, LOST, GYROSCOPIC, MASS, TORSION = range(5)
+STIFFNESS, LOSS, GYROSCOPIC, MASS, TORSION = range(5)
 """Places of the matrices of `DynamicStiffness` in `line`."""
 
 
@@ -147,7 +147,7 @@ def screened_sizes(
                         tied = second[k, N + j]
                         loose += back[i, k].real * tied.real - back[i, k].imag * tied.imag
                     if j < N:
-                        K_T = line[c, STILL, i, j] + T * line[c, TORSION, i, j]
+                        K_T = line[c, STIFFNESS, i, j] + T * line[c, TORSION, i, j]
                         still[i, j] = K_T - 0.5 * loose
                     else:
                         still[i, N] = T * values[i] + 0.5 * loose
@@ -347,7 +347,7 @@ def balanced_motions(
                     own[k, m] = found / 2
             for i in range(N):
                 for j in range(N):
-                    still[i, j] = line[c, STILL, i, j] + T * line[c, TORSION, i, j]
+                    still[i, j] = line[c, STIFFNESS, i, j] + T * line[c, TORSION, i, j]
                 pull = forces[0, p, c, i]
                 for k in range(n):
                     pull += left[i, k].conjugate() * own[k, n]
@@ -478,8 +478,8 @@ def fill_dynamic_stiffness(
     square, turning = frequency * frequency, frequency * speed
     for i in range(N):
         for j in range(N):
-            real = line[STILL, i, j] + torque * line[TORSION, i, j] - square * line[MASS, i, j]
-            imag = sign * line[LOST, i, j] + turning * line[GYROSCOPIC, i, j]
+            real = line[STIFFNESS, i, j] + torque * line[TORSION, i, j] - square * line[MASS, i, j]
+            imag = sign * line[LOSS, i, j] + turning * line[GYROSCOPIC, i, j]
             into[i, j] = complex(real, imag)
 
 

@@ -11,7 +11,7 @@ In modes of unit mass, $x = e^{λt} (A e^{iΩt} + B e^{-iΩt})$ with
 $$[(λ ± iΩ)^2 + (λ ± iΩ) (2 d + Ω G) + ω^2] \begin{pmatrix} A \\ B \end{pmatrix}
   = \frac T2 \begin{pmatrix} S B \\ \bar S A \end{pmatrix}$$
 
-(`growth`), and of two modes alone to first order (`of_two`)
+(`line_swing_growth_rate`), and of two modes alone to first order (`two_mode_growth`)
 
 $$λ = -\frac{d_i + d_j}{2} +
   \mathrm{Re} \sqrt{\left(\frac{d_i - d_j + i s}{2}\right)^2 + \frac{T^2 |S_{ij}|^2}{16 ω_i ω_j}},

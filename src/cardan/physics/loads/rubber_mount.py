@@ -336,11 +336,6 @@ class MountedLine:
         both = np.stack([self.front, self.rear], axis=-3)
         return both.reshape(*both.shape[:-4], -1, both.shape[-1])
 
-    def forces_from_bearings(self, forces: ArrayLike) -> FloatArray:
-        """Return what forces (..., n-2, 3) N on the shafts at their bearings do, (..., N) N."""
-        local = (self.bearing_frame @ np.asarray(forces, dtype=float)[..., None])[..., 0]
-        return (local.reshape(*local.shape[:-2], 1, -1) @ self.bearing_matrix)[..., 0, :]
-
     def spline_gradient(self, last_shaft: FloatArray) -> FloatArray:
         """Return how much the coordinates lengthen the spline, (..., N) 1, to first order.
 
@@ -404,7 +399,7 @@ class MountedLine:
         pushes : three of (..., N)
             Forces on the coordinates where nothing has moved.
         swing : (..., N, N) or two of (..., n, N)
-            Of one N m, for the torque; `swung` is the quicker.
+            Of one N m, for the torque; `order2_coupling_factors` is quicker.
         speed, torque : (...) rad/s, N m
         """
         speed, torque = np.asarray(speed, dtype=float), np.asarray(torque, dtype=float)
@@ -627,7 +622,7 @@ class MountedLine:
         """Return the line with a bearing, from 0, in a bracket that gives, N more by its modes.
 
         Rubber feels how far the bearing moves against its seat: bracket and rubber are in
-        series. What the bearing hands to its bracket is still `Motion.bearing_forces`.
+        series. What the bearing hands to its bracket is still `HarmonicMotion.bearing_forces`.
         """
         more = len(seat.frequencies)
         ω2 = np.diag(seat.frequencies**2)

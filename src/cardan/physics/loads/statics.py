@@ -6,7 +6,7 @@ members and the torque T_{k-1} before the joint,
 
 $$M_k = T_{k-1}\,\frac{d_k - a\,(a \cdot d_k)}{d_{k-1} \cdot d_k}$$
 
-Member k-1 turns as one joint with the phasor E would drive it (`kinematics.chain`), so its
+Member k-1 turns as one joint with the phasor E would drive it (`kinematics.joint_chain`), so its
 torque is T (1 + |E|² - 2 Re E e^{2iθ}) / (1 - |E|²) and its pin axis w = S e^{iθ} turns by
 e^{-i arg(1 - E e^{2iθ})}. In the product T w² every order but 0 and 2 cancels: under a
 constant gearbox torque each moment, and so each force, is a mean and one ellipse at twice

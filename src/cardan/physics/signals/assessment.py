@@ -690,7 +690,7 @@ class _GaugeCounter:
         left = self.plan.residue_rule(self.count.residue)
         return (
             from_to_table(self.count.matrix.with_cycles(left)),
-            self.range_mean.with_cycles(left).table(),
+            self.range_mean.with_cycles(left).nonempty_bins(),
         )
 
     def _with_contradictions(self, one: GaugeAssessment) -> DataQuality:

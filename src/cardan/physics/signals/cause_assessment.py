@@ -102,7 +102,7 @@ class DamageCausesByGauge:
 DOUBT_ORDERS_COINCIDE = Finding("orders-coincide")
 
 
-DOUBT_AT_GAUGE_TEMPLATE = Finding("of-gauge")
+DOUBT_OF_NAMED_GAUGE = Finding("of-gauge")
 
 
 DOUBT_ENGINE_SPEED_NOT_GIVEN = Finding("engine-speed-not-given")
@@ -170,7 +170,7 @@ def attribute_damage(
         [one for p in parts for one in p.joint_attributions]
     )
     doubts = [doubt for p in parts for doubt in p.doubts] + [
-        DOUBT_AT_GAUGE_TEMPLATE.with_values(gauge=name, doubt=doubt)
+        DOUBT_OF_NAMED_GAUGE.with_values(gauge=name, doubt=doubt)
         for name, one in zip(gauges, evidence, strict=True)
         for doubt in one.doubts
     ]

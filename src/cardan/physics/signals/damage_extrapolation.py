@@ -104,7 +104,7 @@ class LongTermDamage:
     interval: tuple[float, float]
     unknown_reason: UnknownReason | None = None
 
-    def with_recorded_rate(self, rate: float) -> "LongTermDamage":
+    def scaled_to_recorded_rate(self, rate: float) -> "LongTermDamage":
         """Return the same for another rate of damage as recorded, 1/s."""
         if not self.recorded_rate > 0:
             return replace(self, rate=rate) if self.unknown_reason else self

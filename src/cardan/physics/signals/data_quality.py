@@ -315,7 +315,7 @@ class DeclaredRecordingProperties:
     rate : Hz
         Of its samples.
     bend_share
-        Share of them at which it does not go straight on (`Health.bends`).
+        Share of them at which it does not go straight on (`ChannelReport.bend_share`).
     max_known_frequency : Hz
         Known to move there, an order 2; 0 if unknown.
     ultimate : Pa

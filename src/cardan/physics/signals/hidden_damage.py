@@ -17,7 +17,7 @@ from cardan.physics.fatigue.sn_curve import SNCurve
 
 INTERVAL_S = 1.0
 """Time whose damage is counted by itself, s; a gap hides as many as it is begun seconds long."""
-MIN_HIDDEN_TIME_S = 0.1
+MIN_COUNTED_GAP_S = 0.1
 """Shortest gap that is counted: a shorter one hides no whole cycle of what is slower than 10 Hz."""
 
 
@@ -61,4 +61,4 @@ class IntervalDamage:
 def hidden_interval_count(runs: IntArray, *, rate: float) -> int:
     """Return how many intervals runs of samples (k, 2) hide, the shortest runs left out."""
     length = (runs[:, 1] - runs[:, 0]) / rate
-    return int(np.ceil(length[length >= MIN_HIDDEN_TIME_S] / INTERVAL_S).sum())
+    return int(np.ceil(length[length >= MIN_COUNTED_GAP_S] / INTERVAL_S).sum())

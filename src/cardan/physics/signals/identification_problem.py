@@ -141,7 +141,7 @@ class ShareInterval:
         """Return it with at least so high an end, for some doubts."""
         return ShareInterval(self.low, max(self.high, high), self.doubts + doubts)
 
-    def doubting(self, doubt: Finding) -> "ShareInterval":
+    def with_doubt(self, doubt: Finding) -> "ShareInterval":
         """Return it with a doubt more."""
         return replace(self, doubts=(*self.doubts, doubt))
 

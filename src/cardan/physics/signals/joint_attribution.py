@@ -234,19 +234,19 @@ def _result_without_lock(case: IdentificationProblem) -> JointCausedStress:
     if there := case.following_shares():
         low, likely = min(there[:2]) - 0.01, max(likely, there[1])
         theirs = case.at_full_rate(there[2])
-        span = span.doubting(DOUBT_INTERMITTENT_SIDEBANDS)
+        span = span.with_doubt(DOUBT_INTERMITTENT_SIDEBANDS)
         sure = _following_share_beside_engine(case, there[2])
         if sure < low:
-            low, span = sure, span.doubting(DOUBT_ENGINE_ORDER_OVERLAP)
+            low, span = sure, span.with_doubt(DOUBT_ENGINE_ORDER_OVERLAP)
         if low >= DOMINANT_MIN_SHARE and sure < 0.5:  # the rest may be the engine's
-            low, span = 0.0, span.doubting(DOUBT_ENGINE_ORDER_OVERLAP)
+            low, span = 0.0, span.with_doubt(DOUBT_ENGINE_ORDER_OVERLAP)
         if low >= DOMINANT_MIN_SHARE and case.other_scale_problem:
-            low, span = 0.0, span.doubting(DOUBT_SPEED_SCALE)
+            low, span = 0.0, span.with_doubt(DOUBT_SPEED_SCALE)
         if low >= DOMINANT_MIN_SHARE and case.is_torque_independent:
-            low, span = 0.0, span.doubting(DOUBT_TORQUE_INDEPENDENT)
+            low, span = 0.0, span.with_doubt(DOUBT_TORQUE_INDEPENDENT)
         # Lugs follow the shaft too, an order of the wheels or two away.
         if low >= DOMINANT_MIN_SHARE and case.wheel_order > TYRE_LUG_MIN_ORDER:
-            low, span = 0.0, span.doubting(DOUBT_SPEED_OF_OTHER_SHAFT)
+            low, span = 0.0, span.with_doubt(DOUBT_SPEED_OF_OTHER_SHAFT)
     found = _joint_attribution(
         case, float(np.clip(likely, 0.0, high)), min(low, high), high, span.doubts
     )
@@ -287,7 +287,7 @@ def _result_with_lock(case: IdentificationProblem, seed: int) -> JointCausedStre
     if more > 0:
         span = span.up_to(span.high + min(more, max(close - own, 0.0)))
         if more > MIN_SIDEBAND_EXCESS_DAMAGE_SHARE:
-            span = span.doubting(DOUBT_SIDEBANDS)
+            span = span.with_doubt(DOUBT_SIDEBANDS)
     if not case.measured:
         span = span.up_to(close, DOUBT_NO_TORQUE)
     if line.f_statistic < FULL_CONFIDENCE_F_STATISTIC:
@@ -335,7 +335,7 @@ def _result_with_lock(case: IdentificationProblem, seed: int) -> JointCausedStre
     mixed = beside is not None and beside.likely is not None
     if not mixed and span.low < DOMINANT_MIN_SHARE and (there := case.following_shares()):
         least = min(there[0], middle, _following_share_beside_engine(case, there[2]))
-        span = span.doubting(DOUBT_SPEED_SCALE) if case.other_scale_problem else replace(
+        span = span.with_doubt(DOUBT_SPEED_SCALE) if case.other_scale_problem else replace(
             span, low=max(span.low, least)
         )  # fmt: skip
     if span.low >= DOMINANT_MIN_SHARE and case.is_torque_independent:
@@ -357,7 +357,7 @@ def _result_with_lock(case: IdentificationProblem, seed: int) -> JointCausedStre
         )
     span = case.widen_for_bump_stop_preload(mean, span)
     if (doubt := _response_step_doubt(case, theirs)) is not None:
-        span = span.doubting(doubt)
+        span = span.with_doubt(doubt)
     low, high = (float(v) for v in np.clip([span.low, span.high], -1.0, 1.0))
     found = _joint_attribution(case, float(np.clip(middle, low, high)), low, high, span.doubts)
     return JointCausedStress(

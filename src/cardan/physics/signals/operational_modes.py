@@ -36,7 +36,7 @@ WINDOW_S = 2.0
 """Of a window; neighbours overlap by half."""
 
 MIN_FREQUENCY_HZ, MAX_FREQUENCY_HZ = 10.0, 250.0
-"""Hz between which the spectra are kept; at most up to `REACH` of the rate."""
+"""Hz between which the spectra are kept; at most up to `MAX_FREQUENCY_TO_SAMPLE_RATE`."""
 
 MAX_FREQUENCY_TO_SAMPLE_RATE = 0.36
 """Of the sample rate: above, a logger's filter makes the spectrum."""

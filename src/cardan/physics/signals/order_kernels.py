@@ -146,11 +146,13 @@ def bin_sums(
     return real + 1j * imag, sums
 
 
-def best_predecessor_within_reach_into(
+def fill_best_predecessors_within_reach(
     best: FloatArray, reach: int, slope: float, key: FloatArray, queue: IntArray,
     back: IntArray, after: FloatArray,
 ) -> None:  # fmt: skip
-    """Write to `back` and `after` what `farther` returns; `key` and `queue` (n,) are its paper.
+    """Fill `back` and `after`: the best neighbour of each place by its worth less its distance.
+
+    `key` and `queue` (n,) are working memory.
 
     What is behind in the queue is a better one that came later; what is out of reach leaves it.
     """
@@ -189,7 +191,7 @@ def best_predecessor_within_reach(
     """
     n = best.size
     back, after = np.empty(n, np.intp), np.empty(n)
-    loop = compiled(best_predecessor_within_reach_into)
+    loop = compiled(fill_best_predecessors_within_reach)
     if loop is not None:
         loop(best, reach, slope, np.empty(n), np.empty(n, np.intp), back, after)
         return back, after

@@ -589,7 +589,7 @@ class _NormalEquations:
 
 
 def _gram(rows: OrderFitArray, weight: OrderFitArray) -> OrderFitArray:
-    """Return what `_Normal.gram` is, of rows (spans, p, n) with weights (spans, n)."""
+    """Return what `_NormalEquations.gram` is, of rows (spans, p, n) with weights (spans, n)."""
     spans, p, n = rows.shape
     weighted = rows * weight[:, None]
     # What two splines make is alike in all spans, and what two rows make either way round.

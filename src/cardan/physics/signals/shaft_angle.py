@@ -25,7 +25,7 @@ MAX_SPEED_UPDATE_INTERVAL_FOR_ANGLE_S = 0.25
 """Seconds between new values that leave the angle between them open."""
 MIN_KNOWN_ANGLE_TIME_SHARE = 0.7
 """Share of the time under way in which the angle must be known."""
-MIN_KNOWN_STRETCH_S = 6.0
+MIN_MEAN_TIME_BETWEEN_ANGLE_LOSSES_S = 6.0
 """Seconds that it must be known for, from one loss to the next, in the mean of that time."""
 MIN_SPEED_GAP_LOSING_ANGLE_S = 0.15
 """Seconds without a speed in which an angle is lost."""
@@ -381,7 +381,7 @@ TORQUE_RESOLUTIONS_PER_BIT = (
 TORQUE_NOT_AVAILABLE_CODE_RANGES = (1, 0xFE00, 0xFFFF), (1, 0x7FFE, 0x7FFF), (-1, 0x7FFF, 0x8000)
 """Which way they lie, the first and the last of a bus' numbers for no torque: of two unsigned
 bytes as J1939 has them, and the ends of two signed ones."""
-MIN_NO_TORQUE_OUTLIER_RATIO = 3.0
+MIN_ERROR_CODE_TO_USUAL_TORQUE_RATIO = 3.0
 """Of what a torque seldom passes, from which a bus' number for no value is none of its own."""
 
 
@@ -415,7 +415,7 @@ def torque_error_runs(x: FloatArray, *, rate: float) -> IntArray:
             if (
                 len(runs)
                 and usual.size
-                and of.first > MIN_NO_TORQUE_OUTLIER_RATIO * np.quantile(usual, 0.99)
+                and of.first > MIN_ERROR_CODE_TO_USUAL_TORQUE_RATIO * np.quantile(usual, 0.99)
             ):
                 return runs
     return np.empty((0, 2), np.intp)
@@ -517,7 +517,7 @@ def shaft_angle(
     kept = (whole - gone) / (len(runs) + 1)
     trusted = not len(runs) or (
         gone < (1 - MIN_KNOWN_ANGLE_TIME_SHARE) * whole
-        and kept > min(MIN_KNOWN_STRETCH_S, 0.3 * whole)
+        and kept > min(MIN_MEAN_TIME_BETWEEN_ANGLE_LOSSES_S, 0.3 * whole)
     )
     return ShaftAngle(
         _integrated_rotation(time, turning),

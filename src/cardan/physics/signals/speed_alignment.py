@@ -172,7 +172,7 @@ def align_speed(
     near = np.flatnonzero(np.abs(off) <= MAX_RELATIVE_SPEED_SCALE_ERROR_SEARCHED)
     blurred = np.sinc(2 * TURNS_PER_RATIO_SEARCH_BIN * off[near]) ** 2
     # Between the lines of the spectrum: a sixth of one is a radian at the ends, and in each of
-    # `SHARES` of the whole it is none.
+    # `SEARCH_SEGMENT_COUNT` parts it is none.
     beside = np.linspace(-0.5, 0.5, 21) / size / (2 * TURNS_PER_RATIO_SEARCH_BIN)
     share = np.unique(np.arange(SEARCH_SEGMENT_COUNT) * count // SEARCH_SEGMENT_COUNT)
     each = -(-count // share.size)

@@ -377,7 +377,7 @@ class OrderFit:
         return self.columns.astype(np.complex64)
 
     @cached_property
-    def controls(self) -> list[tuple[ComplexArray, float]]:
+    def phantom_fits(self) -> list[tuple[ComplexArray, float]]:
         """Return what the same fit takes from the rest at each phantom: coefficients, energy."""
         rest = self.demodulated.met(self.fitted_signal - self.waveform.real)
         # What stretches of the angle do to a line's width, they do to a phantom's.
@@ -398,12 +398,12 @@ class OrderFit:
             [_complex_least_squares(one[None], self.demodulated.met(x.real))[0][0]
              for one, x in zip(own, self.columns, strict=True)]
         )  # fmt: skip
-        return np.stack([error / scale for error, _ in self.controls])
+        return np.stack([error / scale for error, _ in self.phantom_fits])
 
     @cached_property
     def f_statistic(self) -> float:
         """Return F: the energy that the order predicts over what the phantoms take."""
-        taken = [floor * self.demodulated.every / 2 for _, floor in self.controls]
+        taken = [floor * self.demodulated.every / 2 for _, floor in self.phantom_fits]
         foretold = max(_predicted_energy(self.columns, self.fitted_signal, self.rate), 0.0)
         return foretold / max(float(np.mean(taken)), 1e-30)
 

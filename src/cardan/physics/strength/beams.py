@@ -125,17 +125,6 @@ class BeamMatrices:
     displacement: FloatArray
     station: FloatArray
 
-    def with_speed_axis(self) -> "BeamMatrices":
-        """Return the same system with an axis for speeds behind the cases."""
-        return BeamMatrices(
-            flexibility=self.flexibility[..., None, :, :, :],
-            gyroscopic=self.gyroscopic[..., None, :, :],
-            mass=self.mass[..., None, :, :],
-            bearing_strain=self.bearing_strain[..., None, :, :, :],
-            displacement=self.displacement[..., None, :, :, :],
-            station=self.station,
-        )
-
 
 @dataclass(frozen=True, slots=True)
 class _Element:

@@ -165,8 +165,10 @@ def joint_life(wear: ArrayLike, *, shares: ArrayLike | None = None) -> FloatArra
 
     Examples
     --------
-    >>> used = wear(500, speed=1500 * rpm, angle=5 * deg, rated_torque=2000, prime_mover_factor=1)
-    >>> round(joint_life(used) / hour)
+    >>> used = cross_joint_life_consumption_rate(
+    ...     500, speed=1500 * rpm, angle=5 * deg, rated_torque=2000, prime_mover_factor=1
+    ... )
+    >>> round(float(joint_life(used) / hour))
     20319
     """
     xp, rate = array_library_and_floats(wear)

@@ -62,7 +62,8 @@ def slender_tube_critical_speed(
     Examples
     --------
     >>> steel = {"youngs_modulus": 200e9, "density": 7850}
-    >>> round(critical_speed(48 * inch, outer=3 * inch, inner=2.76 * inch, **steel) / rpm)
+    >>> tube = {"outer": 3 * inch, "inner": 2.76 * inch}
+    >>> round(float(slender_tube_critical_speed(48 * inch, **tube, **steel) / rpm))
     8284
     """
     xp, L, D, d, E, rho = array_library_and_floats(length, outer, inner, youngs_modulus, density)
@@ -74,13 +75,13 @@ def inch_formula_critical_speed(
 ) -> FloatArray:
     """Critical speed of a steel tube by the trade's formula, (...) rad/s of (...) m.
 
-    n = 4 705 000 √(OD² + ID²) / L² in rpm and inches. It is `critical_speed` of steel with
+    n = 4 705 000 √(OD² + ID²) / L² in rpm and inches: `slender_tube_critical_speed` of steel with
     29·10⁶ psi and 0.281 lb/in³, but for g = 386.4 in/s², which makes it 0.04 % higher.
     Source: SAE AE-7 p. 267.
 
     Examples
     --------
-    >>> round(critical_speed_inch(60 * inch, outer=3.5 * inch, inner=3.26 * inch) / rpm)
+    >>> round(inch_formula_critical_speed(60 * inch, outer=3.5 * inch, inner=3.26 * inch) / rpm)
     6251
     """
     xp, L, D, d = array_library_and_floats(length, outer, inner)
@@ -196,46 +197,6 @@ def _lowest(
     purely backward.
     """
     return np.where(chosen & (modes.forward_share > 0.01), modes.frequency, np.inf).min(-1)
-
-
-def campbell_diagram(
-    beams: BeamModel, *, speeds: ArrayLike, modes: int = 4, elements: int = ELEMENTS_PER_SPAN
-) -> WhirlModes:
-    """Whirl at given speeds: the curves of a Campbell diagram.
-
-    Parameters
-    ----------
-    beams
-        The line.
-    speeds : (k,) rad/s
-        Speeds of rotation.
-    modes, elements
-        As for `synchronous_whirl_modes`.
-
-    Returns
-    -------
-    WhirlModes
-        With the speeds on the axis before the modes: frequency is (..., k, m). A curve is
-        critical where it meets frequency = speed; the joints shake it at 2 · speed.
-    """
-    system = assemble_beams(beams, elements)
-    flexibility, V = np.linalg.eigh(system.flexibility)
-    speeds = np.asarray(speeds, dtype=float)[:, None, None]
-    G = speeds * (V[..., 0, :, :].mT @ system.gyroscopic @ V[..., 1, :, :])[..., None, :, :]
-    # K - ω² M + ω Ω G = 0 is linear in 1/ω, with ω √M x next to x.
-    root = np.sqrt(np.maximum(flexibility, 0.0))[..., None, :, :, None] * np.eye(G.shape[-1])
-    vertical, lateral = (np.broadcast_to(root[..., k, :, :], G.shape) for k in (0, 1))
-    zero = np.zeros_like(G)
-    inverse, x = np.linalg.eigh(
-        np.block([
-            [zero, -G, vertical, zero],
-            [-G.mT, zero, zero, lateral],
-            [vertical, zero, zero, zero],
-            [zero, lateral, zero, zero],
-        ])
-    )  # fmt: skip
-    whirl = V[..., None, :, :, :] @ _planes(x[..., : 2 * G.shape[-1], :])
-    return _modes(system.with_speed_axis(), inverse**2, whirl, modes)
 
 
 def _planes(x: FloatArray) -> FloatArray:

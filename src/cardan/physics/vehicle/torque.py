@@ -212,7 +212,10 @@ def slip_torque_at_friction(
 
     Examples
     --------
-    >>> slip_torque(100e3, friction=0.8, radius=0.5, ratio=4.0, efficiency=0.95).round(1)
+    >>> held = slip_torque_at_friction(
+    ...     100e3, friction=0.8, radius=0.5, ratio=4.0, efficiency=0.95
+    ... )
+    >>> held.round(1)
     np.float64(10526.3)
     """
     _, N, mu, r, i, eta = array_library_and_floats(load, friction, radius, ratio, efficiency)
@@ -256,7 +259,7 @@ def j3311_low_gear_torque(
 
     Examples
     --------
-    >>> low_gear_torque(1567.5, ratio=10.96).round()
+    >>> j3311_low_gear_torque(1567.5, ratio=10.96).round()
     np.float64(14603.0)
     """
     _, T, i, eta, stall, low, C = array_library_and_floats(

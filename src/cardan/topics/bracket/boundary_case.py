@@ -63,11 +63,11 @@ class BoundaryCase:
 
     def held_by(self, passes: FloatArray) -> "BoundingCycles":
         """Return what no place's stress leaves under passes (p, t, c)."""
-        found = load_envelope(passes, self.worth)
+        found = load_envelope(passes, self.rms_stress_per_load)
         return BoundingCycles(found.cycle_levels, *found.mean_and_amplitude(self.flat))
 
     @cached_property
-    def worth(self) -> FloatArray:
+    def rms_stress_per_load(self) -> FloatArray:
         """How much each column of its loads stresses, (c,) Pa."""
         return np.sqrt(np.mean(self.unit**2, axis=(0, 2)))
 
@@ -111,7 +111,7 @@ class BoundaryCase:
         """
         if len(loads) <= _MAX_UNTHINNED_MOMENTS:
             return loads
-        ways = principal_load_projections(loads, self.worth, alike=False)
+        ways = principal_load_projections(loads, self.rms_stress_per_load, alike=False)
         most = share * float(np.ptp(ways, axis=0).max())
         if not most:  # a sensor that stands still, or reads nothing
             return loads[:1]
@@ -122,7 +122,9 @@ class BoundaryCase:
 
     def places(self, loads: FloatArray) -> IntArray:
         """Return the places (features, k) where loads may be worst, a feature's own repeated."""
-        return self.highest(von_mises_envelope(self.unit, principal_extremes(loads, self.worth)))
+        return self.highest(
+            von_mises_envelope(self.unit, principal_extremes(loads, self.rms_stress_per_load))
+        )
 
     def highest(self, values: FloatArray) -> IntArray:
         """Return the places (features, k) where values (places,) are highest, highest first."""

@@ -93,7 +93,7 @@ def _evaluate_case(
         places = way.places(loads)
         flat = places.ravel()
         unit = way.unit[flat]
-        level, found = _stressed(unit, loads, way.worth)
+        level, found = _stressed(unit, loads, way.rms_stress_per_load)
         best.append(tuple(
             LocatedStress(e.value, vector_as_tuple(way.points[flat[e.point]]))
             for e in (found.von_mises, found.max_principal, found.min_principal)

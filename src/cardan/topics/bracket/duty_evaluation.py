@@ -15,10 +15,10 @@ from cardan.topics.bracket.boundary_case import BoundaryCase, FeaturePeaks
 from cardan.topics.bracket.case_evaluation import worst_gauge_damage
 from cardan.topics.bracket.contact_assessment import MIN_CONTACT_TO_COMPUTED_STRESS_RATIO
 from cardan.topics.bracket.feature_fatigue import (
+    damage_at_places,
     damage_bounds_of,
     favourable_values,
     known_zone_factors,
-    place_damage,
     worst_place_damage,
 )
 from cardan.topics.bracket.life import DamageResult, ZoneFatigueStrength, duty_cycle_damage
@@ -88,7 +88,7 @@ def evaluate_duty_cycle(
     damage, peaks = np.zeros(len(solved.nodes.surface_nodes)), list[FeaturePeaks]()
     for way in ways:
         passes = _duty_passes(way, duty[spent[state].when])
-        every = place_damage(
+        every = damage_at_places(
             way, np.arange(len(way.feature)), passes, strength, closely=MIN_FULL_COUNT_DAMAGE_SHARE
         )
         top = way.highest(every)[:, 0]

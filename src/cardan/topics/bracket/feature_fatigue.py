@@ -145,7 +145,7 @@ def known_zone_factors(
     return np.array([1.0 if FATIGUE_ZONES[k] in strength else np.nan for k in kinds.tolist()])
 
 
-def place_damage(
+def damage_at_places(
     way: BoundaryCase,
     at: IntArray,
     passes: Sequence[LoadHistory],
@@ -199,11 +199,11 @@ def worst_place_damage(
             most += one.repeats * count * harm(more * share * of.amplitude, more * of.mean, every)
     done, best = np.full(len(most), -1.0), np.zeros(way.count)
     for at in _in_turn(way, most, done):
-        done[at] = place_damage(way, at, wide, strength, least=best[way.feature[at]])
+        done[at] = damage_at_places(way, at, wide, strength, least=best[way.feature[at]])
         np.maximum.at(best, way.feature[at], done[at])
     top = way.highest(done)[:, 0]
     if any(p.loads.shape != w.loads.shape for p, w in zip(passes, wide, strict=True)):
-        done[top] = place_damage(way, top, passes, strength)
+        done[top] = damage_at_places(way, top, passes, strength)
     return top, np.where(way.has, done[top], 0.0)
 
 
@@ -224,7 +224,7 @@ def damage_bounds_of(
     """Return the damage (3, features) at places `at`, at `error_stress_factors` times stress."""
     ends = error_stress_factors(error, ease)
     some = ends[1:] if ease == 1 else ends
-    found = place_damage(way, np.tile(at, len(some)), passes, strength, some.ravel())
+    found = damage_at_places(way, np.tile(at, len(some)), passes, strength, some.ravel())
     found = np.where(way.has, found.reshape(len(some), -1), 0.0)  # what breaks at once is endless
     return found if len(found) == len(ends) else found[[0, 0, 1]]
 

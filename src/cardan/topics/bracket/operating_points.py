@@ -39,14 +39,15 @@ def worst_operating_points(
         each = [way.loads(one) for one in case.alternatives]
         swung = [one - one.mean(axis=0) for one in each]
         far = [
-            way.places(principal_extremes(np.concatenate(of), way.worth)) for of in (each, swung)
+            way.places(principal_extremes(np.concatenate(of), way.rms_stress_per_load))
+            for of in (each, swung)
         ]
         at = np.unique(far)
         passes = [
             np.stack(np.split(v, c.pass_count))
             for v, c in zip(each, case.alternatives, strict=True)
         ]
-        reaches = [load_envelope(of, way.worth) for of in passes]
+        reaches = [load_envelope(of, way.rms_stress_per_load) for of in passes]
         _stressed_most(way, at, each, reaches, stress)
         looked.append((way, at, passes, reaches))
     worst = int(stress.argmax())

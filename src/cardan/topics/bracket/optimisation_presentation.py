@@ -39,7 +39,7 @@ def terminal_lines(
         count=found.combination_count,
     )
     refused = (
-        say("{sizes}: left out, {why}", sizes=sizes_text(sizes, say), why=why)
+        say("{sizes}: left out, {why}", sizes=bracket_sizes_text(sizes, say), why=why)
         for sizes, why in found.rejected
     )
     yield from (f"{BOLD_CODE}{line}{RESET_CODE}" for line in fold_lines([title], width))
@@ -48,7 +48,7 @@ def terminal_lines(
     head = ("", say("sizes"), say("worst at"), say("mass, kg"), say("hours"), say("mesh"))
     rows = [
         (
-            "*" if t is found.best else "", sizes_text(t.sizes, say),
+            "*" if t is found.best else "", bracket_sizes_text(t.sizes, say),
             say.part(t.assessment.features[0].part), say.number(t.mass),
             hours_text(t.life, say, t.assessment.life_hours_bounds),
             say("refined") if t.refined else say("first"),
@@ -78,20 +78,21 @@ def terminal_lines(
             loose = say(
                 "{sizes}: lives long enough, but {case} loads its bolts to {share} of what they "
                 "hold; that is too much.",
-                sizes=sizes_text(t.sizes, say), case=say.occasion(t.bolt_slip.when),
+                sizes=bracket_sizes_text(t.sizes, say), case=say.occasion(t.bolt_slip.when),
                 share=say.number(t.bolt_slip.utilisation),
             )  # fmt: skip
             yield from fold_lines([loose], width)
         if t.failed_check is not None:
             broken = say(
                 "{sizes}: lives long enough, but fails: {limit}, {where}.",
-                sizes=sizes_text(t.sizes, say), limit=say.name(t.failed_check.quantity),
+                sizes=bracket_sizes_text(t.sizes, say), limit=say.name(t.failed_check.quantity),
                 where=check_location(t.failed_check, say),
             )  # fmt: skip
             yield from fold_lines([broken], width)
     if found.best is not None:
         chosen = say(
-            "The lightest: {sizes}, {mass} kg, {hours} h.", sizes=sizes_text(found.best.sizes, say),
+            "The lightest: {sizes}, {mass} kg, {hours} h.",
+            sizes=bracket_sizes_text(found.best.sizes, say),
             mass=say.number(found.best.mass),
             hours=hours_text(found.best.life, say, found.best.assessment.life_hours_bounds),
         )  # fmt: skip
@@ -106,7 +107,7 @@ def terminal_lines(
         yield say("None of them lives that long.")
 
 
-def sizes_text(sizes: dict[str, float], say: Translator) -> str:
+def bracket_sizes_text(sizes: dict[str, float], say: Translator) -> str:
     """Return sizes as people read them, by the keys of the file."""
     return say.with_decimal_sign(", ".join(f"{name}_mm: {v / mm:.6g}" for name, v in sizes.items()))
 

@@ -409,7 +409,7 @@ WallThicknesses: TypeAlias = Annotated[
 CandidateDimensions: TypeAlias = Annotated[
     tuple[float, ...], ListField(BRACKET_DIMENSION_FIELD, least=1, most=20)
 ]
-Distances: TypeAlias = Annotated[tuple[float, ...], ListField(DISTANCE_FIELD, least=1, most=20)]
+DistanceList: TypeAlias = Annotated[tuple[float, ...], ListField(DISTANCE_FIELD, least=1, most=20)]
 
 
 class BoltsTable(Table):
@@ -444,10 +444,10 @@ class OptimiseTable(Table):
     width: CandidateDimensions | None = table_key_field("of the sheet or plate", default=None)
     flange: CandidateDimensions | None = table_key_field("of a U", default=None)
     bend_radius: CandidateDimensions | None = table_key_field("of a U", default=None)
-    gusset: Distances | None = table_key_field(
+    gusset: DistanceList | None = table_key_field(
         "thickness of the ribs or braces; 0 is none", default=None
     )
-    gusset_height: Distances | None = table_key_field("how far they reach down", default=None)
+    gusset_height: DistanceList | None = table_key_field("how far they reach down", default=None)
     wall_width: CandidateDimensions | None = table_key_field("of an L's wall", default=None)
     depth: CandidateDimensions | None = table_key_field("of an L's plate", default=None)
     rim: CandidateDimensions | None = table_key_field("of an L below the bore", default=None)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cardan import __version__
 from cardan.core.arrays import BoolArray, FloatArray, IntArray
 from cardan.core.units import mm
+from cardan.core.version import __version__
 from cardan.model.bracket import Bracket
 from cardan.model.material import Material
 from cardan.physics.fem.bracket_solid import SEAT_FACE_NAME

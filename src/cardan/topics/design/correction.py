@@ -67,10 +67,6 @@ class Correction:
         found = [c for c in of.checks if _limit_of_part(c) in self.changeable]
         return min(found, key=lambda c: (-CHECK_GRADES.index(c.grade), c.margin))
 
-    def smallest_changeable_margin(self, of: Approval) -> float:
-        """Return the smallest margin of an approval among what moving can change."""
-        return self.worst_changeable_check(of).margin
-
     @property
     def unchangeable_checks(self) -> list[Check]:
         """Checks of lines, as installed, that do not pass and that no move corrects."""

@@ -13,11 +13,11 @@ import numpy as np
 
 from cardan.application.layout_writer import (
     FileChanges,
+    adjustment_range_changes,
     bearing_changes,
     joint_place_changes,
     layout_changes,
     phase_changes,
-    range_changes,
     spline_changes,
     state_layout_changes,
     yaml_address_of_line,
@@ -67,7 +67,9 @@ def correction_changes(
     for m in moves:
         kind = ADJUSTMENTS[m.adjustable.adjustment_key]
         key = f"{at}.adjust.{kind.key}" if f"{at}.adjust" in text else f"adjust.{kind.key}"
-        changes |= range_changes(key, m.adjustable.part, m.amount, kind.count(response.line), text)
+        changes |= adjustment_range_changes(
+            key, m.adjustable.part, m.amount, kind.count(response.line), text
+        )
     return changes
 
 

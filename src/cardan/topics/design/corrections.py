@@ -28,7 +28,12 @@ from cardan.approval.driveline_study import (
     line_checks,
     unevaluated_line_checks,
 )
-from cardan.approval.margins import LIMIT_BOUND_NAMES, LimitBound, margins, margins_to_both_bounds
+from cardan.approval.margins import (
+    LIMIT_BOUND_NAMES,
+    LimitBoundName,
+    margins,
+    margins_to_both_bounds,
+)
 from cardan.approval.study import DRIVELINE_STUDY_NAME, StudyResult
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.core.arrays import BoolArray, FloatArray
@@ -194,7 +199,7 @@ class _CorrectionSearch:
     free: tuple[int, ...]
     changed: BoolArray
     trucks: ToleranceModel | None = None
-    known: dict[LimitBound, FloatArray] | None = None
+    known: dict[LimitBoundName, FloatArray] | None = None
     """The margins of the spread trials, if they were computed."""
 
     @cached_property
@@ -216,13 +221,13 @@ class _CorrectionSearch:
         return found
 
     @cached_property
-    def spread(self) -> dict[LimitBound, FloatArray]:
+    def spread(self) -> dict[LimitBoundName, FloatArray]:
         """The margins (V, ...) of trials spread over all ways, to either bound."""
         if self.known is not None:
             return self.known
         return self.asked(self.amounts(_spread(len(self.free))))
 
-    def reserve(self, amounts: FloatArray, *, to: LimitBound) -> FloatArray | None:
+    def reserve(self, amounts: FloatArray, *, to: LimitBoundName) -> FloatArray | None:
         """Return what each margin needs in reserve as trucks scatter; None where none does."""
         if self.trucks is None:
             return None
@@ -237,17 +242,19 @@ class _CorrectionSearch:
             found[:, k] = np.where(at > 0, adjustable.high, -adjustable.low) * at
         return found
 
-    def margins(self, positions: FloatArray, *, to: LimitBound) -> FloatArray:
+    def margins(self, positions: FloatArray, *, to: LimitBoundName) -> FloatArray:
         """Return the margins (V, ...) that moving changes."""
         responses = _tried(self.lines, self.movable, self.amounts(positions))
         return margins(*responses, to=to)[:, self.changed]
 
-    def asked(self, amounts: FloatArray) -> dict[LimitBound, FloatArray]:
+    def asked(self, amounts: FloatArray) -> dict[LimitBoundName, FloatArray]:
         """Return the margins (V, ...) that moving changes, to either bound."""
         found = margins_to_both_bounds(*_tried(self.lines, self.movable, amounts))
         return {bound: values[:, self.changed] for bound, values in found.items()}
 
-    def settable(self, position: FloatArray, *, to: LimitBound, cheap: bool = False) -> FloatArray:
+    def settable(
+        self, position: FloatArray, *, to: LimitBoundName, cheap: bool = False
+    ) -> FloatArray:
         """Return the amounts (movable) next to a position that a workshop can set.
 
         A step of a workshop may be more than the room that is left: of those around the
@@ -279,7 +286,7 @@ class _CorrectionSearch:
         return (amounts / np.where(amounts == 0, 1.0, bounds)).sum(-1)
 
     def exhausted(
-        self, settings: FloatArray, asked: dict[LimitBound, FloatArray] | None = None
+        self, settings: FloatArray, asked: dict[LimitBoundName, FloatArray] | None = None
     ) -> Iterator[FloatArray]:
         """Yield of all settings (V, movable) the one of most margin, and the cheapest that do.
 
@@ -296,7 +303,7 @@ class _CorrectionSearch:
                 if needed is not None and (keeps := (margin >= needed).all(-1)).any():
                     yield settings[keeps.argmax()]
 
-    def best(self, *, to: LimitBound) -> tuple[FloatArray, float, FloatArray]:
+    def best(self, *, to: LimitBoundName) -> tuple[FloatArray, float, FloatArray]:
         """Return the position of the largest smallest margin, and that margin.
 
         And the trial nearest to 0 that keeps every margin in reserve, or that position again.
@@ -320,7 +327,7 @@ class _CorrectionSearch:
         kept = spread[found > MIN_MARGIN_AFTER_CORRECTION]
         return top, margin, min(kept, key=lambda x: float(x @ x), default=top)
 
-    def _nearby(self, start: FloatArray, *, to: LimitBound) -> tuple[FloatArray, float]:
+    def _nearby(self, start: FloatArray, *, to: LimitBoundName) -> tuple[FloatArray, float]:
         """Return the position of the largest smallest margin about another, and that margin.
 
         For where slopes lead astray: over a crest into another valley.
@@ -337,7 +344,7 @@ class _CorrectionSearch:
         self,
         start: FloatArray,
         *,
-        to: LimitBound,
+        to: LimitBoundName,
         reserve: FloatArray | float = MIN_MARGIN_AFTER_CORRECTION,
     ) -> FloatArray:
         """Return the cheapest position found that keeps every margin in reserve.
@@ -366,7 +373,7 @@ class _CorrectionSearch:
         keeps[0] = True
         return ways[keeps][np.abs(ways[keeps]).sum(-1).argmin()]
 
-    def _smooth(self, at: FloatArray, *, to: LimitBound) -> tuple[FloatArray, FloatArray]:
+    def _smooth(self, at: FloatArray, *, to: LimitBoundName) -> tuple[FloatArray, FloatArray]:
         """Return margins and their slopes at a position, from one batch of neighbours."""
         step = 1e-5
         found = self.margins(np.vstack([at, at + step * np.eye(len(at))]), to=to)
@@ -406,7 +413,7 @@ class _CorrectionSearch:
         return np.clip(found.x, *np.transpose(bounds))
 
 
-def _least(asked: dict[LimitBound, FloatArray], *, to: LimitBound) -> FloatArray:
+def _least(asked: dict[LimitBoundName, FloatArray], *, to: LimitBoundName) -> FloatArray:
     """Return the least margin (V,) to a bound; of what fails none while anything else is left.
 
     What fails is no cure for a warning, whatever margin it wins elsewhere.
@@ -632,7 +639,7 @@ def _trials(
         yield _trial(lines, movable, turns, changed)
         alone = [] if turns.any() or len(ways) < 2 else [(k,) for k in ways]
         for free in [*alone, *([ways] if ways else [])]:
-            known: dict[LimitBound, FloatArray] | None = None
+            known: dict[LimitBoundName, FloatArray] | None = None
             if k == 0 and free == ways:
                 known = {b: v[: len(spread), changed] for b, v in asked.items()}
             search = _CorrectionSearch(lines, movable, turns, free, changed, trucks, known)
@@ -673,7 +680,7 @@ def _ways(movable: tuple[PermittedAdjustment, ...]) -> tuple[int, ...]:
     )
 
 
-def _changed(asked: dict[LimitBound, FloatArray]) -> BoolArray:
+def _changed(asked: dict[LimitBoundName, FloatArray]) -> BoolArray:
     """Return which margins moving can change, and correct, from those of trials (V, ...)."""
     every = np.stack(list(asked.values()))
     low, high = every.min(axis=1), every.max(axis=1)
@@ -681,7 +688,7 @@ def _changed(asked: dict[LimitBound, FloatArray]) -> BoolArray:
     return ((high - low > MIN_MARGIN_CHANGE) & ~hopeless).any(axis=0)
 
 
-def _some(asked: dict[LimitBound, FloatArray], at: Any) -> dict[LimitBound, FloatArray]:
+def _some(asked: dict[LimitBoundName, FloatArray], at: Any) -> dict[LimitBoundName, FloatArray]:
     """Return some of margins (V, ...) to either bound."""
     return {to: margins[at] for to, margins in asked.items()}
 

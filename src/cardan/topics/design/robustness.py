@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from cardan.application.overrides import application_with_input_values, nominal_variable_values
+from cardan.application.variant_sampling import VARIANTS_PER_CHUNK, SamplingPlan, sampling_plan
 from cardan.approval.applied_adjustments import (
     ADJUSTMENTS_OF_LINE_WITHOUT_LENGTHS,
     affected_lines,
@@ -17,7 +19,7 @@ from cardan.approval.applied_adjustments import (
 )
 from cardan.approval.margins import (
     MARGIN_CAP,
-    LimitBound,
+    LimitBoundName,
     limit_of_each_margin,
     margins_to_both_bounds,
 )
@@ -30,12 +32,6 @@ from cardan.model.adjustments import ADJUSTMENTS, permitted_adjustments_by_name
 from cardan.model.application import Application, PermittedAdjustment
 from cardan.model.variants import VariantStudy, VariedNumber
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
-from cardan.topics.variants.evaluation import (
-    VARIANTS_PER_CHUNK,
-    application_with_input_values,
-    nominal_variable_values,
-)
-from cardan.topics.variants.sampling import SamplingPlan, sampling_plan
 
 ASSUMED_TOLERANCES = {
     "bearing_height_mm": 3.0,
@@ -172,7 +168,7 @@ class ToleranceModel:
 
     def margins(
         self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray, off: FloatArray
-    ) -> dict[LimitBound, FloatArray]:
+    ) -> dict[LimitBoundName, FloatArray]:
         """Return the margins (V, M) to either bound of trucks (V, tolerances) at a setting.
 
         One by one where arrays cannot hold what scatters, as a joint's rating. A truck that
@@ -185,11 +181,11 @@ class ToleranceModel:
                 raise
         else:
             return {to: np.broadcast_to(m, (len(off), m.shape[-1])) for to, m in found.items()}
-        lost: dict[LimitBound, FloatArray] = {
+        lost: dict[LimitBoundName, FloatArray] = {
             to: np.full_like(m, -MARGIN_CAP)
             for to, m in self.margins(ways, amounts, np.zeros_like(off[:1])).items()
         }
-        some: list[dict[LimitBound, FloatArray]] = []
+        some: list[dict[LimitBoundName, FloatArray]] = []
         for row in off:
             try:
                 some.append(self.margins(ways, amounts, row[None]))
@@ -262,7 +258,7 @@ class ToleranceModel:
 
     def _parabolas(
         self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray
-    ) -> dict[LimitBound, Callable[[FloatArray], FloatArray]]:
+    ) -> dict[LimitBoundName, Callable[[FloatArray], FloatArray]]:
         """Return margins (V, M) to either bound of trucks so many deviations (V, T) off."""
         step = np.diag(self._wide) * FINITE_DIFFERENCE_STEP_SD
         off = np.concatenate([np.zeros((1, len(step))), step, -step])

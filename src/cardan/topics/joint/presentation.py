@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from cardan import __version__
 from cardan.core.arrays import FloatArray
 from cardan.core.units import N, Nm, deg, mm, rpm
+from cardan.core.version import __version__
 from cardan.physics.kinematics.hooke_joint import PIN_IN_PLANE
 from cardan.render.blocks import Table
 from cardan.render.chart import DataSeries, line_chart

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from cardan import __version__
 from cardan.core.arrays import FloatArray
 from cardan.core.units import deg, rpm
+from cardan.core.version import __version__
 from cardan.render.blocks import Chapter, Figures, ReportDocument, Table, Text
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.svg import Figure

@@ -34,9 +34,9 @@ from cardan.physics.signals.attribution_result import (
     DOUBT_WEAK_SYNCHRONOUS_PART,
 )
 from cardan.physics.signals.cause_assessment import (
-    DOUBT_AT_GAUGE_TEMPLATE,
     DOUBT_ENGINE_AT_SHAFT_SPEED,
     DOUBT_ENGINE_SPEED_NOT_GIVEN,
+    DOUBT_OF_NAMED_GAUGE,
     DOUBT_ORDERS_COINCIDE,
     DOUBT_TORQUE_NOT_GIVEN,
 )
@@ -186,7 +186,7 @@ CAUSE_PHRASES = {
         "{one} order {order} and {other} order {second} run together for {share} of the time: "
         "nothing in the signal separates them there"
     ),
-    DOUBT_AT_GAUGE_TEMPLATE.code: "{gauge}: {doubt}",
+    DOUBT_OF_NAMED_GAUGE.code: "{gauge}: {doubt}",
     DOUBT_ENGINE_SPEED_NOT_GIVEN.code: (
         "no engine speed was given: an order of its that runs with order 2 would not show"
     ),

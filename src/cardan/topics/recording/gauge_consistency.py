@@ -42,13 +42,6 @@ DOUBT_WRONG_DRIVELINE_FILE = (
     "more than half of order 2 is explained by no such line: is the file that of another, or a "
     "bearing, a gauge or a speed the wrong one?"
 )
-CONSISTENCY_DOUBTS = (
-    DOUBT_ONE_INCONSISTENT_GAUGE,
-    DOUBT_SEVERAL_INCONSISTENT_GAUGES,
-    DOUBT_TORQUE_SIGN,
-    DOUBT_WRONG_DRIVELINE_FILE,
-)
-"""Why no numbers are reported."""
 
 
 def inconsistent_gauge(

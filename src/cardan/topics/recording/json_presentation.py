@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from cardan import __version__
 from cardan.approval.coverage import coverage_of
 from cardan.approval.study import StudyResult
 from cardan.core.arrays import FloatArray
 from cardan.core.units import MPa, hour
+from cardan.core.version import __version__
 from cardan.physics.signals.assessment import GaugeAssessment
 from cardan.physics.signals.attribution_result import VALIDATED_ERROR_RATES, JointAttribution
 from cardan.physics.signals.conditioning import ChannelReport

@@ -31,7 +31,7 @@ from cardan.topics.recording.load_collective import (
 )
 from cardan.topics.recording.recording_assessment import RecordingAssessment
 from cardan.topics.recording.stress_history import (
-    MASKED_TIME,
+    MASKED_BY_TIME_KIND,
     MarkedStretches,
     StressHistory,
     marked_stretches,
@@ -101,7 +101,7 @@ def history_figure(
         width=WIDE_PX,
         height=HISTORY_HEIGHT_PX + lanes,
     )
-    chart.add_envelope(x, low, high, name="")
+    chart.add_envelope(x, low, high)
     names: list[str] = []
     for lane, one in enumerate(marks):
         colour = SERIES_COLOURS[1 + lane % (len(SERIES_COLOURS) - 1)]
@@ -125,7 +125,7 @@ def history_figure(
 
 def _mark_text(of: MarkedStretches, say: Translator) -> str:
     """Return a kind of suspect data, and how many of its stretches are in which state."""
-    if of.kind == MASKED_TIME:
+    if of.kind == MASKED_BY_TIME_KIND:
         return say("masked by time: {count}", count=len(of.masked))
     if of.kind == FAULT_MISSING_SAMPLES:  # without a sample nothing is to be decided
         return f"{say(of.kind)}: {sum(map(len, (of.masked, of.undecided, of.accepted)))}"
@@ -216,7 +216,6 @@ def matrix_figure(of: RainflowTable, say: Translator, *, gauge: str) -> Figure:
         y_label=say("from, MPa"),
         values=say("cycles"),
         height=PAIR_HEIGHT_PX,
-        diagonal=True,
         note=say(
             "{count} cycles, a half cycle as 0.5; bins of {width} MPa.",
             count=say.compact_number(of.total), width=say.compact_number(edges, 3),

@@ -291,7 +291,7 @@ class LeastSquaresFit:
         ]  # fmt: skip
         return other
 
-    def rows(self, free: Sequence[FreeParameter], x: FloatArray) -> FloatArray:
+    def residuals(self, free: Sequence[FreeParameter], x: FloatArray) -> FloatArray:
         """Return what is left over, real and imaginary, blows cut down, and what priors say."""
         off = self.off(self.stress(self.said(free, x))).ravel()
         size = np.abs(off)

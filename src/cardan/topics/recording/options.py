@@ -645,7 +645,7 @@ def parse_rule(text: str, *, mask: bool) -> FaultRule:
 def options_as_campaign_file_keys(said: str) -> str:
     """Return what is said of options in the words of a campaign's file, whatever the language.
 
-    >>> with_file_keys("goodman needs the tensile strength: --ultimate-MPa")
+    >>> options_as_campaign_file_keys("goodman needs the tensile strength: --ultimate-MPa")
     'goodman needs the tensile strength: ultimate_MPa'
     """
     said = re.sub(

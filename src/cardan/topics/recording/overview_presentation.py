@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from cardan import __version__
+from cardan.core.version import __version__
 from cardan.physics.signals.data_quality import MIN_SAMPLE_RATE_HZ
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.terminal import aligned_column_lines

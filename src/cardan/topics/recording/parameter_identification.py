@@ -282,7 +282,7 @@ def _searched(
     """
     far = np.zeros(len(free))
     far[_moved(free, *STIFFNESS_NAMES)] = np.log(STIFFNESS_SEARCH_FACTOR)
-    places = multistart(partial(coarse.rows, free), far=far)
+    places = multistart(partial(coarse.residuals, free), far=far)
     return _apart([_ended(fit, free, one.x) for one in places[:MAX_RIVAL_MINIMA]])
 
 
@@ -290,7 +290,7 @@ def _ended(
     fit: LeastSquaresFit, free: list[FreeParameter], x: FloatArray, **how: Any
 ) -> _FittedMinimum:
     """Return where least squares end that begin at a place (p,), as `least` is called."""
-    at = levenberg_marquardt(partial(fit.rows, free), x, **how)
+    at = levenberg_marquardt(partial(fit.residuals, free), x, **how)
     return _FittedMinimum(at.x, at.residuals, at.jacobian, free)
 
 
@@ -326,7 +326,7 @@ def _modes(fit: LeastSquaresFit, best: _FittedMinimum) -> list[list[FreeParamete
 
 def _rough(fit: LeastSquaresFit, free: list[FreeParameter], best: _FittedMinimum) -> float:
     """Return the misfit of other shafts or modes where the rest stays."""
-    return sum_of_squares(fit.rows(free, best.beginning(free)))
+    return sum_of_squares(fit.residuals(free, best.beginning(free)))
 
 
 def _moved(free: Sequence[FreeParameter], *names: str) -> list[int]:

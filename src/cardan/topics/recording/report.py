@@ -19,9 +19,9 @@ from cardan.render.blocks import (
 )
 from cardan.render.i18n import Translator
 from cardan.render.phrases import (
-    document_stamp_facts,
     grouped_unevaluated_lines,
     limit_sense_symbol,
+    source_date_and_version_facts,
     value_and_bound,
     verdict_word,
     worst_check_per_limit,
@@ -108,7 +108,7 @@ def _stamp_facts(
     issue: ReportDateAndSourceStamp, more: str, say: Translator
 ) -> Iterator[tuple[str, str]]:
     """Yield the facts of a stamp; `more`, if any, stands behind the first file."""
-    for k, (name, value) in enumerate(document_stamp_facts(issue, say)):
+    for k, (name, value) in enumerate(source_date_and_version_facts(issue, say)):
         yield name, f"{value}; {more}" if more and not k else value
 
 

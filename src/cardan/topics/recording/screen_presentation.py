@@ -49,7 +49,7 @@ MAX_EXTRA_LINES = 5
 MIN_BLOCK_LINES, MAX_BLOCK_LINES = 2, 8
 """Lines of data quality and of what a signer should know, below their heads."""
 
-FAILED_SHARES = 0.1, 0.9
+LIFE_INTERVAL_FAILED_SHARES = 0.1, 0.9
 """Shares of parts that have failed at the ends of a life's interval."""
 
 UNKNOWN_MARK = "?"
@@ -260,7 +260,10 @@ def _chief_part(
 
 def _interval(one: GaugeAssessment) -> tuple[float, float] | None:
     """Return hours after which 10 and 90 % of parts have failed; None without scatter."""
-    ends = [one.repeats.get(share, math.nan) * one.life.duration / hour for share in FAILED_SHARES]
+    ends = [
+        one.repeats.get(share, math.nan) * one.life.duration / hour
+        for share in LIFE_INTERVAL_FAILED_SHARES
+    ]
     low, high = ends
     return (low, high) if low < high else None
 

@@ -63,7 +63,7 @@ class StressHistory:
         return self.damage / total if total > 0 else np.zeros_like(self.damage)
 
 
-def stretch_samples(samples: int, *, rate: float) -> int:
+def samples_per_stretch(samples: int, *, rate: float) -> int:
     """Return the samples of a stretch of a recording: the shortest that reads well."""
     seconds = samples / rate
     length = next(
@@ -85,7 +85,7 @@ class StressHistoryCounter:
         """
         self.rate, self.interpolated = rate, tuple(interpolated)
         self.column = max(ceil(samples / MAX_ENVELOPE_COLUMNS), 1)
-        self.stretch = stretch_samples(samples, rate=rate)
+        self.stretch = samples_per_stretch(samples, rate=rate)
         columns, gauges = ceil(samples / self.column), len(self.interpolated)
         self.low = np.full((gauges, columns), np.nan)
         self.high = np.full((gauges, columns), np.nan)
@@ -168,7 +168,7 @@ class _StretchDamage:
         return found
 
 
-MASKED_TIME = ""
+MASKED_BY_TIME_KIND = ""
 """Kind of what a rule masks by its time alone."""
 
 
@@ -179,7 +179,7 @@ class MarkedStretches:
     Attributes
     ----------
     kind
-        Code of the fault; `MASKED_TIME` of what is masked by its time alone.
+        Code of the fault; `MASKED_BY_TIME_KIND` of what is masked by its time alone.
     masked, undecided, accepted : (k, 2) s
         Begin and end of the stretches that rules mask or correct, those without a rule, and those
         that rules accept, since the start of the recording.
@@ -207,7 +207,7 @@ def marked_stretches(
             channel=channel, rules=rules, rate=rate, samples=report.samples
         )
         if len(by_time):
-            found.setdefault(MASKED_TIME, []).append((by_time, by_time[:0], by_time[:0]))
+            found.setdefault(MASKED_BY_TIME_KIND, []).append((by_time, by_time[:0], by_time[:0]))
     return tuple(
         MarkedStretches(
             kind=kind,

@@ -165,7 +165,7 @@ def damage_by_usage(
             # Of a life: its crests between samples, and its valid time without what is frozen.
             long_run=extrapolate_damage(
                 one, curve=plan.curve, spoiled=life.vetoed
-            ).with_recorded_rate(life.life.damage / max(life.life.duration, 1e-9)),
+            ).scaled_to_recorded_rate(life.life.damage / max(life.life.duration, 1e-9)),
             shortened_test_share=accelerated_test_time_share(
                 one,
                 keep=SHORTENED_TEST_DAMAGE_SHARE,

@@ -150,7 +150,7 @@ def _zones(of: VibrationResult, say: Translator) -> TableContent:
         if not np.isfinite(z.growth).any():
             continue
         g, s = np.unravel_index(int(np.nanargmax(z.growth)), z.growth.shape)
-        opens = np.nanmin(z.opens_at_angle)
+        opens = np.nanmin(z.opening_angle_factor)
         rows.append(
             (
                 say.part(z.part),
@@ -159,7 +159,7 @@ def _zones(of: VibrationResult, say: Translator) -> TableContent:
                 say.number(float(z.nearest_speed[g, s]) / rpm),
                 say.number(float(z.growth[g, s])),
                 say.number(float(opens)),
-                say.number(float(np.nanmax(z.opens_at_damping))),
+                say.number(float(np.nanmax(z.opening_damping_factor))),
             )
         )
     head = (say("zone"), say("gear"), say("middle [rpm]"), say("nearest speed [rpm]"),

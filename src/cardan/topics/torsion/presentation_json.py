@@ -240,8 +240,8 @@ def _line(of: VibrationResult, name: str) -> dict[str, Any]:
                     state: float(np.nanmax(z.growth[:, k])) if any_known(z.growth[:, k]) else None
                     for k, state in enumerate(of.states)
                 },
-                "opens_at_angle_factor": float(np.nanmin(z.opens_at_angle)),
-                "opens_at_damping_factor": float(np.nanmax(z.opens_at_damping)),
+                "opens_at_angle_factor": float(np.nanmin(z.opening_angle_factor)),
+                "opens_at_damping_factor": float(np.nanmax(z.opening_damping_factor)),
             }
             for z in of.zones
         ],

@@ -68,12 +68,12 @@ class ParametricResonance:
         return Part("zone", *self.modes)
 
     @property
-    def opens_at_angle(self) -> FloatArray:
+    def opening_angle_factor(self) -> FloatArray:
         """Joint angles over those there are, (G, S) 1, at which the zone opens."""
         return 1 / np.sqrt(np.maximum(self.openness, 1e-300))
 
     @property
-    def opens_at_damping(self) -> FloatArray:
+    def opening_damping_factor(self) -> FloatArray:
         """Damping over what there is, (G, S) 1, below which the zone opens."""
         return self.openness
 

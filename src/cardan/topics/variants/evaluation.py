@@ -12,7 +12,13 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from cardan.application.overrides import addresses, change
+from cardan.application.overrides import application_with_input_values, nominal_variable_values
+from cardan.application.variant_sampling import (
+    VARIANTS_PER_CHUNK,
+    SamplingMethod,
+    SamplingPlan,
+    sampling_plan,
+)
 from cardan.approval.applied_adjustments import adjustment_affects_line, response_with_adjustments
 from cardan.approval.approval import Approval, approve_driveline
 from cardan.approval.driveline_study import EvaluatedLimit, evaluate_limits
@@ -35,16 +41,11 @@ from cardan.model.variants import (
     MAX_VARIANTS,
     VariantOutputs,
     VariantStudy,
-    without_addresses_of_study_section,
 )
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
-from cardan.topics.variants.sampling import SamplingMethod, SamplingPlan, sampling_plan
-
-VARIANTS_PER_CHUNK = 128
-"""Variants at a time: fewer pay more for each step, more of them leave the processor's cache."""
 
 InputVariationSpec: TypeAlias = Sequence[float] | Mapping[str, Any] | model.VariedNumber
-"""How a number varies: [low, high], or a table of one of `KINDS`."""
+"""How a number varies: [low, high], or a table of one of `INPUT_DISTRIBUTION_KINDS`."""
 
 INPUT_DISTRIBUTION_KINDS = ("choice", "grid", "normal", "uniform")
 """One of some values; each of them; about its own value by a standard deviation or half width."""
@@ -647,45 +648,6 @@ class VariantEvaluator:
         except (InvalidFileError, DesignError):
             return False
         return True
-
-
-def application_with_input_values(
-    application: Application, numbers: Mapping[str, Any]
-) -> Application:
-    """Return an application with other numbers, held against the limits that it has now."""
-    was = application.written.application if application.written else None
-    if not numbers:
-        return application
-    if was is None or application.limits is was.limits:
-        return change(application, numbers)
-    found = change(replace(application, limits=was.limits, profile=was.profile), numbers)
-    return replace(found, limits=application.limits, profile=application.profile)
-
-
-def nominal_variable_values(application: Application) -> dict[str, float]:
-    """Return every number that may vary, as it is, by name.
-
-    Raises
-    ------
-    ValueError
-        If one has variants already.
-    """
-    written = application.written
-    base = written.application if written else None
-    numbers: dict[str, Any] = dict(
-        addresses(replace(base, written=written) if base and written else application)
-    )
-    if written is not None:
-        numbers |= written.fixed_numbers
-    found: dict[str, float] = {}
-    for at in without_addresses_of_study_section(numbers):
-        if np.ndim(numbers[at]):
-            msg = f"{at} has variants already: vary the application as it was read"
-            raise ValueError(msg)
-        found[at] = float(numbers[at])
-    return found | dict.fromkeys(
-        permitted_adjustments_by_name(i.line for i in application.lines), 0.0
-    )
 
 
 def _beyond(of: VariantStudy, name: str, end: float, error: InvalidFileError) -> InvalidFileError:

@@ -11,16 +11,15 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from cardan.application.variant_sampling import VARIANTS_PER_CHUNK, SamplingPlan
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import MissingDependencyError
 from cardan.model.variants import ParetoObjective
 from cardan.topics.variants.evaluation import (
-    VARIANTS_PER_CHUNK,
     EvaluatedVariants,
     LimitResults,
     VariantEvaluator,
 )
-from cardan.topics.variants.sampling import SamplingPlan
 from cardan.topics.variants.statistics import (
     WORST_ACCEPTABLE_VERDICT_INDEX,
     ParetoFront,
@@ -94,7 +93,7 @@ def evolve_pareto_front(
             inputs, LimitResults.concatenate(parts), unit, np.ones(len(unit), dtype=bool)
         )
         tell(keep.goal_values(rows, 0), _unfit(rows))
-        front = keep.merge(front, keep.state_of(rows, start + done))
+        front = keep.merge(front, keep.shard_state(rows, start + done))
         done += len(unit)
         hear(done)
     return front

@@ -5,6 +5,7 @@ from math import isfinite
 
 import numpy as np
 
+from cardan.application.variant_sampling import SampledVariable
 from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.verdict import CHECK_GRADES, VERDICTS, Limit
 from cardan.render.blocks import Table
@@ -14,7 +15,6 @@ from cardan.render.screen_layout import percent_text
 from cardan.render.terminal import report_table_lines
 from cardan.topics.variants.evaluation import UNEVALUATED_GRADE_CODE
 from cardan.topics.variants.rare_failure import MAX_FAILURE_DISTANCE_SD
-from cardan.topics.variants.sampling import SampledVariable
 from cardan.topics.variants.statistics import (
     SobolIndices,
     halved_tolerance_yields,

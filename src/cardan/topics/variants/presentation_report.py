@@ -9,7 +9,7 @@ from cardan.render.blocks import (
     Text,
 )
 from cardan.render.i18n import ENGLISH, Translator
-from cardan.render.phrases import document_stamp_facts, verdict_word
+from cardan.render.phrases import source_date_and_version_facts, verdict_word
 from cardan.render.screen_layout import percent_text
 from cardan.topics.variants.presentation import (
     remark_lines,
@@ -55,7 +55,7 @@ def report(
                 f"{fit} ({percent_text(low, say, 2)} … {percent_text(high, say, 2)})",
             ),
             (say("Limits"), of.installed.application.profile),
-            *document_stamp_facts(issue, say),
+            *source_date_and_version_facts(issue, say),
         ),
         chapters=chapters(of, say),
         summary=summary_line(of, say),

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cardan.application.variant_sampling import VARIANTS_PER_CHUNK, SamplingPlan
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import ConvergenceError
 from cardan.core.verdict import MARGIN_TOLERANCE, Limit
@@ -24,8 +25,7 @@ from cardan.physics.fatigue.reliability import (
     monte_carlo,
     second_order_reliability,
 )
-from cardan.topics.variants.evaluation import VARIANTS_PER_CHUNK, VariantEvaluator
-from cardan.topics.variants.sampling import SamplingPlan
+from cardan.topics.variants.evaluation import VariantEvaluator
 
 IMPORTANCE_SAMPLE_COUNT = 1024
 """Variants about the most likely failures."""

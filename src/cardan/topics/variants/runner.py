@@ -24,6 +24,7 @@ from time import perf_counter
 
 import numpy as np
 
+from cardan.application.variant_sampling import SamplingMethod
 from cardan.core.arrays import single_threaded_blas
 from cardan.core.errors import DesignError
 from cardan.core.status import ignore_status
@@ -37,7 +38,6 @@ from cardan.topics.variants.evaluation import (
 from cardan.topics.variants.executors import DaskExecutor
 from cardan.topics.variants.pareto import evolve_pareto_front
 from cardan.topics.variants.rare_failure import RareFailureEstimate, estimate_rare_failure
-from cardan.topics.variants.sampling import SamplingMethod
 from cardan.topics.variants.shard_job import (
     ComputedShards,
     ShardJob,

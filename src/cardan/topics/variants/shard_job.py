@@ -18,16 +18,16 @@ from typing import Any
 
 import numpy as np
 
-from cardan import __version__
+from cardan.application.variant_sampling import SamplingMethod
 from cardan.core.arrays import FloatArray, retain_freed_memory, single_threaded_blas
 from cardan.core.errors import DesignError
+from cardan.core.version import __version__
 from cardan.model.application import Application
 from cardan.model.variants import VariantStudy
 from cardan.topics.variants.evaluation import (
     LimitResults,
     VariantEvaluator,
 )
-from cardan.topics.variants.sampling import SamplingMethod
 from cardan.topics.variants.shard_tree import merged_statistics
 from cardan.topics.variants.statistics import (
     StatisticState,
@@ -94,7 +94,7 @@ class ShardJob:
         rows = self.evaluator.evaluate_range(start, stop, go_on=go_on)
         found = requested_statistics(self.evaluator, self.variants.ask)
         return ShardResult(
-            statistics={name: r.state_of(rows, start) for name, r in found.items()},
+            statistics={name: r.shard_state(rows, start) for name, r in found.items()},
             rows=(rows.inputs, rows.results) if self.row_precision else None,
         )
 
@@ -192,7 +192,7 @@ def compute_shards(
 def fingerprints(application: Application, variants: VariantStudy) -> dict[str, str]:
     """Return what distinguishes a study from another: the same prints, the same answers."""
     written = application.written
-    assert written is not None  # `Job.of` has looked
+    assert written is not None  # as `ShardJob` has checked
     changes = {at: np.asarray(to).tolist() for at, to in written.changes.items()}
     # A set has another order in another process.
     limits = json.dumps([asdict(limit) for limit in application.limits], default=sorted)

@@ -41,7 +41,7 @@ def log_record(about: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
     return _HEAD.pack(_MAGIC, len(content), sha256(content).digest()) + content
 
 
-def record_arrays(record: bytes) -> dict[str, Any]:
+def arrays_of_record(record: bytes) -> dict[str, Any]:
     """Return the arrays of a record that is whole."""
     head, _, body = record[_HEAD.size :].partition(b"\n")
     data, found, at = zlib.decompress(body), dict[str, Any](), 0

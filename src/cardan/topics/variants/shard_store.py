@@ -30,9 +30,9 @@ from cardan.topics.variants.shard_job import (
 )
 from cardan.topics.variants.shard_log import (
     LogEntry,
+    arrays_of_record,
     log_entries,
     log_record,
-    record_arrays,
     record_of,
 )
 from cardan.topics.variants.statistics import (
@@ -220,7 +220,7 @@ class ShardStore:
         """Return the statistics of a shard."""
         found: dict[str, dict[str, Any]] = {}
         with self._path.open("rb") as file:
-            for path, array in record_arrays(self._record(file, k)).items():
+            for path, array in arrays_of_record(self._record(file, k)).items():
                 name, _, key = path.partition("/")
                 found.setdefault(name, {})[key] = array
         return dict(found)

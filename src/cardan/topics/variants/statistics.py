@@ -12,6 +12,7 @@ from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
+from cardan.application.variant_sampling import SamplingPlan
 from cardan.approval.applied_adjustments import AppliedAdjustment
 from cardan.core.arrays import BoolArray, FloatArray, IntArray
 from cardan.core.verdict import CHECK_GRADES, VERDICTS
@@ -27,7 +28,6 @@ from cardan.topics.variants.evaluation import (
     EvaluatedVariants,
     VariantEvaluator,
 )
-from cardan.topics.variants.sampling import SamplingPlan
 
 StatisticState: TypeAlias = Mapping[str, Any]
 """Arrays by name."""
@@ -45,7 +45,7 @@ WORST_ACCEPTABLE_VERDICT_INDEX = VERDICTS.index("warn")
 class StreamingStatistic(Protocol):
     """A statistic of variants."""
 
-    def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
+    def shard_state(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the state of a shard whose first variant has this place."""
         ...
 
@@ -98,7 +98,7 @@ class VerdictCounts:
     limit failed, of which other limits know nothing.
     """
 
-    def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
+    def shard_state(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the counts of a shard."""
         del start
         own, a = rows.independent, rows.results
@@ -165,7 +165,7 @@ class QuantileSketch:
     and means are exact. Source: Masson, Rim & Lee, DDSketch, VLDB 12 (2019).
     """
 
-    def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
+    def shard_state(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the cells of a shard."""
         del start
         a, own = rows.results, rows.independent
@@ -243,7 +243,7 @@ class WorstVariants:
 
     max_count: int
 
-    def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
+    def shard_state(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the worst of a shard."""
         a = rows.results
         refused, there = np.flatnonzero(a.infeasible)[:1], np.flatnonzero(~a.infeasible)
@@ -278,7 +278,7 @@ class FirstVariantSamples:
 
     max_count: int = 300
 
-    def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
+    def shard_state(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return those of a shard that are among the first."""
         few = slice(0, max(self.max_count - start, 0))
         refused = rows.results.infeasible
@@ -308,7 +308,7 @@ class ToleranceTightening:
     yield_only: bool = False
     """Whether limits have no column: not every variant was evaluated for them."""
 
-    def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
+    def shard_state(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the sums of a shard."""
         del start
         own = rows.independent
@@ -386,7 +386,7 @@ class SobolSamplePairs:
 
     factors: int
 
-    def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
+    def shard_state(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the sums of a shard, which holds whole groups."""
         del start
         d = self.factors
@@ -480,7 +480,7 @@ class SurrogateTraining:
     What varied in each, by how much it stays off each limit's failure, and whether it may be built.
     """
 
-    def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
+    def shard_state(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the variants of a shard."""
         return self._first(
             {
@@ -515,7 +515,7 @@ class ParetoFront:
     costs: tuple[PermittedAdjustment | None, ...]
     sampling_plan: SamplingPlan
 
-    def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
+    def shard_state(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the front of a shard."""
         found = self.goal_values(rows, start)
         known = np.isfinite(found).all(-1)
@@ -627,7 +627,7 @@ class YieldMap:
         """How many cells there are across and up."""
         return len(self.edges[0]) - 1, len(self.edges[1]) - 1
 
-    def state_of(self, rows: EvaluatedVariants, start: int) -> StatisticState:
+    def shard_state(self, rows: EvaluatedVariants, start: int) -> StatisticState:
         """Return the cells of a shard."""
         del start
         own = rows.independent

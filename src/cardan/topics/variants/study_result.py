@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from cardan.application.variant_sampling import SampledVariable, SamplingPlan
 from cardan.approval.approval import Approval
 from cardan.core.arrays import FloatArray
 from cardan.core.verdict import VERDICTS, Limit, Verdict
@@ -14,7 +15,6 @@ from cardan.topics.variants.evaluation import (
     limit_names,
 )
 from cardan.topics.variants.rare_failure import RareFailureEstimate
-from cardan.topics.variants.sampling import SampledVariable, SamplingPlan
 from cardan.topics.variants.statistics import (
     StatisticState,
     YieldMap,

@@ -18,9 +18,9 @@ from functools import cached_property
 
 import numpy as np
 
+from cardan.application.variant_sampling import SamplingPlan
 from cardan.core.arrays import BoolArray, FloatArray, IntArray, single_threaded_blas
 from cardan.core.verdict import MARGIN_TOLERANCE
-from cardan.topics.variants.sampling import SamplingPlan
 from cardan.topics.variants.statistics import StatisticState, clopper_pearson_interval
 
 CROSS_VALIDATION_FOLDS = 8

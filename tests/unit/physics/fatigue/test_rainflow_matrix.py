@@ -23,7 +23,7 @@ def tables(samples, pieces=7):
         closed, residue = four_point(piece, residue=residue)
         from_to, range_mean = from_to.with_cycles(closed), range_mean.with_cycles(closed)
     left = half_cycles(residue)
-    return from_to_table(from_to.with_cycles(left)), range_mean.with_cycles(left).table()
+    return from_to_table(from_to.with_cycles(left)), range_mean.with_cycles(left).nonempty_bins()
 
 
 def check_histogram(table, along, across, weights):

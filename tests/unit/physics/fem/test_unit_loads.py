@@ -12,6 +12,7 @@ import pytest
 from brackets import BRACKET, LINE
 from click.testing import CliRunner
 from scipy.sparse.linalg import LinearOperator, eigsh
+from sharp_edges import singular_edge_points
 
 from cardan.cli import cli
 from cardan.core.errors import ConvergenceError, DesignError
@@ -51,7 +52,7 @@ from cardan.physics.fem.strain_gauges import (
     gauge_strain_error_by_misplacement,
 )
 from cardan.physics.fem.stress import superpose
-from cardan.physics.fem.surface import project_to_surface, singular_edge_points
+from cardan.physics.fem.surface import project_to_surface
 from cardan.physics.fem.unit_loads import mesh_and_solve_unit_loads, unit_loads
 
 pytestmark = pytest.mark.bracket

@@ -14,6 +14,7 @@ import pytest
 from repository import EXAMPLES
 
 from cardan.application import reader
+from cardan.application.overrides import nominal_variable_values
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.core import compiled
 from cardan.model.vehicle import Linkage, Spring, Suspension
@@ -29,7 +30,6 @@ from cardan.physics.vehicle.suspension import squat_travel
 from cardan.topics.variants.evaluation import (
     VariantEvaluator,
     build_variants,
-    nominal_variable_values,
 )
 
 SHARE_OF_LARGEST = 1e-10

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.rubber_stop_response import (
     STOP_ORDERS,
     StopContact,
@@ -12,6 +13,8 @@ from cardan.physics.loads.rubber_stop_response import (
     components,
     followed_motion,
     forces_at_stop,
+    round_the_half_turn,
+    stop_receptance,
 )
 
 STIFFNESS, LOSS, STOP = 200e3, 0.1, 15e-3
@@ -73,16 +76,16 @@ def crests(line: StoppedLine, motion) -> tuple[np.ndarray, np.ndarray]:
     return at, (found.static + found.dynamic)[:, 0]
 
 
-def integrated(frequencies: list[float], ratio: float) -> list[float]:
-    """Return the largest elastic force at rising frequencies, the motion kept from one to next."""
+def integrated(frequencies: list[float], ratio: float, *, steady: float = STEADY) -> list[float]:
+    """Return the largest elastic force at frequencies in turn, the motion kept from one to next."""
 
     def motion(t, state, W):
         x, v = state
         slope = STIFFNESS * (ratio if abs(x) > STOP else 1.0)
-        pushed = STEADY + SWING * np.cos(W * t)
+        pushed = steady + SWING * np.cos(W * t)
         return [v, (pushed - elastic(x, ratio) - LOSS * slope / W * v) / MASS]
 
-    state, found = np.array([STEADY / STIFFNESS, 0.0]), []
+    state, found = np.array([steady / STIFFNESS, 0.0]), []
     for f in frequencies:
         times = np.linspace(23 / f, 25 / f, 300)
         done = solve_ivp(
@@ -134,6 +137,33 @@ def test_upper_branch_is_found_from_below_and_lower_one_from_above():
     upper, lower = (float(force[np.abs(at - 12.6) < 0.03].max()) for at, force in (up, down))
     assert lower == pytest.approx(2852, rel=0.01)
     assert upper > 2 * lower
+
+
+def test_line_that_rests_on_its_stop_has_the_large_motion_that_is_met_from_above():
+    """It softens as it leaves its stop: at 14.4 Hz 8.6 kN coming from 15.2 Hz, 5.2 kN from rest."""
+    steady = 1.3 * STIFFNESS * STOP
+    line = one_mass(3.0, steady=steady)
+    (at, every), (up_at, up) = (crests(line, f(line)) for f in (all_motions, followed_motion))
+    largest = integrated([15.2, 14.8, 14.4], 3.0, steady=steady)[-1]
+    assert every[np.abs(at - 14.4) < 0.04].max() == pytest.approx(largest, rel=0.01)
+    assert up[np.abs(up_at - 14.4) < 0.04].max() < 0.7 * largest
+
+
+def test_force_of_rubber_without_a_stop_is_stiffness_and_loss_times_travel():
+    """What travel adds to linear rubber's counts with its loss, as linear rubber's own does."""
+    rng = np.random.default_rng(8)
+    travel, free = rng.normal(size=(2, 1, 1 + 2 * len(STOP_ORDERS), 2))
+    k, eta = np.array([[[200e3, 120e3]]]), np.array([[0.3]])
+
+    def linear(x):
+        waves = k * (1 + 1j * eta[0, 0]) * (x[:, 1::2] + 1j * x[:, 2::2])
+        return components(*(np.insert(v, 2, 0, axis=-1) for v in (k[0] * x[:, 0], waves)))
+
+    given = {"stiffness": k, "loss": eta, "stop": np.array([[np.inf]]), "ratio": np.ones((1, 1))}
+    moved = forces_at_stop(travel, free, linear(free), **given)
+    known = forces_at_stop(travel, travel, linear(travel), **given)
+    assert moved.dynamic == pytest.approx(known.dynamic, rel=1e-12)
+    assert moved.static == pytest.approx(known.static, rel=1e-12)
 
 
 def test_motion_within_stop_is_that_of_linear_rubber():
@@ -200,3 +230,57 @@ def test_motions_of_several_lines_are_those_of_each_by_itself():
         assert own.sum() >= len(FREQUENCIES) - 5
         assert motion.place[batch, k] == pytest.approx(alone.place[own, 0], abs=1e-9)
         assert motion.travel[batch, k] == pytest.approx(alone.travel[own, 0], abs=1e-6 * STOP)
+
+
+def line_of_two_coordinates() -> MountedLine:
+    """One bearing whose two directions follow both coordinates, gyroscope and torsion in it."""
+    nothing = np.zeros((2, 3, 2))
+    return MountedLine(
+        mass=np.array([[30.0, 4.0], [4.0, 22.0]]),
+        bending=np.array([[4e4, 1e4], [1e4, 7e4]]),
+        gyroscopic=np.array([[0.0, 3.0], [-3.0, 0.0]]),
+        torsion=np.array([[6.0, 2.0], [2.0, -4.0]]),
+        geometric=np.array([[1.5, 0.4], [0.4, 2.5]]),
+        bearing=np.array([[[1.0, 0.3], [-0.2, 1.1], [0.0, 0.0]]]),
+        bearing_frame=np.eye(3)[None],
+        stiffness=np.array([[2e5, 1.2e5, 0.0]]),
+        loss=np.array([0.15]),
+        front=nothing, rear=nothing, front_tilt=nothing, rear_tilt=nothing,
+        shaft_directions=np.array([[1.0, 0, 0], [1.0, 0, 0]]),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("speed", [35.0, -35.0])
+def test_receptance_at_stop_satisfies_the_equation_of_motion(speed):
+    """Put back into it round the half turn: torque's order 2 ties orders 0, 2 and 4.
+
+    A stop loses as a damper with the rubber's loss factor at order 2: (1 + iηm/2) at order m.
+    """
+    on, torque, compression, eta = line_of_two_coordinates(), 900.0, 3000.0, 0.15 * np.sign(speed)
+    coupling = np.array([[20 + 5j, 8 - 12j], [8 - 12j, -15 + 9j]])
+    found = stop_receptance(
+        on, coupling, speed=np.array(speed), torque=np.array(torque),
+        compression=np.array(compression),
+    )  # fmt: skip
+    force = np.random.default_rng(2).normal(size=(1 + 2 * len(STOP_ORDERS), 2))
+    across = on.bearing[0, :2]
+    moved = (found @ force.ravel()).reshape(force.shape) @ np.linalg.inv(across).T
+    pushed = force @ across
+
+    def order(values, m):
+        """Return one order of components, complex."""
+        k = m - 1 if m else 0
+        return values[k] + 1j * values[k + 1] if m else values[0]
+
+    tied = np.zeros_like(moved)
+    tied[:5] = moved[:5]
+    q, angle = round_the_half_turn(tied), np.pi / 40 * np.arange(40)
+    swing = torque * (coupling * np.exp(2j * angle)[:, None, None]).real
+    ties = np.fft.fft((swing @ q[..., None])[..., 0], axis=0) / 40
+    still = on.stiffness_under_torque(torque) - compression * on.geometric
+    assert still @ moved[0] - ties[0].real == pytest.approx(pushed[0], rel=1e-9)
+    for m in STOP_ORDERS:
+        D = on.dynamic_stiffness(np.array(m * speed), np.array(speed), np.array(torque))
+        tie = 2 * ties[m // 2] if m <= 4 else 0.0
+        expected = (1 + 1j * eta * m / 2) * order(pushed, m)
+        assert D @ order(moved, m) - tie == pytest.approx(expected, rel=1e-9)

@@ -40,7 +40,7 @@ class OnesDetector:
         return {"ones": fault_intervals(self.runs)}
 
 
-SOURCE = FaultSource(kinds=(FaultKind(code="ones", maskable=True),), detector=OnesDetector)
+FAULT_SOURCE = FaultSource(kinds=(FaultKind(code="ones", maskable=True),), detector=OnesDetector)
 '''
 
 SURVEY = """
@@ -72,7 +72,7 @@ def package(tmp_path_factory) -> Path:
     registry = faults / "registry.py"
     text = registry.read_text(encoding="utf-8")
     for entry, more in (("    mains_hum,\n", "    ones,\n"),
-                        ("    mains_hum.SOURCE,\n", "    ones.SOURCE,\n")):  # fmt: skip
+                        ("    mains_hum.FAULT_SOURCE,\n", "    ones.FAULT_SOURCE,\n")):  # fmt: skip
         assert text.count(entry) == 1
         text = text.replace(entry, entry + more)
     registry.write_text(text, encoding="utf-8")

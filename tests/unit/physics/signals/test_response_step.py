@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from cardan.core.units import MPa
 from cardan.physics.fatigue.damage import damage_with_omission
@@ -35,6 +36,14 @@ def test_step_of_gains_is_found_and_wandering_is_none():
     assert step.time == 60
     assert step.factor == pytest.approx(1.5, rel=0.1)
     assert response_step(MIDDLE[:7], np.repeat([0.5, 1.5], [4, 3]).astype(complex)) is None
+
+
+def test_step_within_three_standard_errors_of_the_medians_is_none():
+    """Normal blocks that scatter by s about either part: s √(1/8 + 1/8) is the error of a step."""
+    sides = norm.ppf((np.array([3, 6, 1, 4, 7, 0, 5, 2]) + 0.5) / 8)
+    for scatter, is_found in ((0.16, True), (0.25, False)):  # three errors are 0.3 at 0.2
+        level = np.repeat([-0.15, 0.15], 8) + scatter * np.tile(sides, 2)
+        assert (response_step(MIDDLE, np.exp(level).astype(complex)) is not None) == is_found
 
 
 def test_damage_of_a_gain_that_stepped_is_of_either_part():

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from campbell import campbell_diagram
 
 from cardan.core.errors import DesignError
 from cardan.core.units import kg, mm
@@ -12,7 +13,6 @@ from cardan.model.parts import CentreBearing, Line, Shaft, Spline, Tube
 from cardan.physics.strength.beams import BeamModel, beam_model
 from cardan.physics.strength.critical_speed import (
     bearing_resonance_speed,
-    campbell_diagram,
     line_critical_speed,
     slender_tube_critical_speed,
     synchronous_whirl_modes,

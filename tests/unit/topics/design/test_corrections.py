@@ -851,4 +851,4 @@ def test_correction_heads_with_the_smallest_margin_that_moving_changes(joint):
     head, fixed, *_ = correction_lines(found)
     assert head.endswith("smallest margin that moving changes -12 % to what is recommended.")
     assert fixed.startswith("No move corrects: Joint torque / elastic limit, joint ")
-    assert best.smallest_changeable_margin(best.approval) > 0
+    assert best.worst_changeable_check(best.approval).margin > 0

@@ -56,7 +56,7 @@ def test_stress_is_written_in_mpa():
 
 def test_doubt_of_a_gauge_holds_the_doubt():
     doubt = attribution_result.DOUBT_SHAFT_ANGLE_MAY_SLIP
-    found = cause_assessment.DOUBT_AT_GAUGE_TEMPLATE.with_values(gauge="S1", doubt=doubt)
+    found = cause_assessment.DOUBT_OF_NAMED_GAUGE.with_values(gauge="S1", doubt=doubt)
     assert str(finding_message(found)) == f"S1: {finding_message(doubt)}"
 
 

@@ -35,7 +35,7 @@ from cardan.topics.recording.stress_history import (
     MAX_STRETCHES,
     StressHistoryCounter,
     marked_stretches,
-    stretch_samples,
+    samples_per_stretch,
 )
 from cardan.topics.recording.study import RecordingStudy
 
@@ -135,7 +135,7 @@ def test_history_of_a_long_recording_takes_the_memory_of_a_piece(found):
 @pytest.mark.parametrize("seconds", [0.5, 44.0, 1000.0, 3.7e4, 4e6])
 def test_a_recording_of_any_length_has_few_stretches(seconds):
     samples = round(seconds * RATE)
-    size = stretch_samples(samples, rate=RATE)
+    size = samples_per_stretch(samples, rate=RATE)
     assert 1 <= -(-samples // size) <= MAX_STRETCHES
 
 

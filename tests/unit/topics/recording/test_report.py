@@ -209,7 +209,7 @@ def test_messages_of_analysis_modules_are_translated():
         *PARAMETER_TITLES.values(),
         *phrases.PHRASES.values(),
         *FAULT_KINDS,
-        *agreement.CONSISTENCY_DOUBTS,
+        *(text for name, text in vars(agreement).items() if name.startswith("DOUBT_")),
         evidence.JOINTS_DOMINANT,
         evidence.JOINTS_NOT_DOMINANT,
         evidence.UNDETERMINED,

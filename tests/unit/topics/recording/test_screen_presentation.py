@@ -13,7 +13,7 @@ from cardan.physics.signals.attribution_result import (
     JointAttribution,
 )
 from cardan.physics.signals.cause_assessment import (
-    DOUBT_AT_GAUGE_TEMPLATE,
+    DOUBT_OF_NAMED_GAUGE,
     DOUBT_ORDERS_COINCIDE,
 )
 from cardan.physics.signals.damage_attribution import (
@@ -109,7 +109,7 @@ def test_screen_has_one_share_of_the_joints():
 def test_doubt_about_the_damage_itself_stands_before_other_doubts():
     of = with_causes(found(signal(20.0), signal(40.0)), doubts=9)
     step = DOUBT_RESPONSE_STEP.with_values(time=48.0, factor=1.7, low=0.1, high=2.3)
-    of.answer.causes.doubts += (DOUBT_AT_GAUGE_TEMPLATE.with_values(gauge="S2", doubt=step),)
+    of.answer.causes.doubts += (DOUBT_OF_NAMED_GAUGE.with_values(gauge="S2", doubt=step),)
     lines = screen(of)
     begin = lines.index("Before you sign")
     said = " ".join(" ".join(lines[begin + 1 : begin + 5]).split())

@@ -63,7 +63,7 @@ def brute(bench, count):
     """Return what is unbeaten of so many variants drawn."""
     return ParetoFront(
         goals=GOALS, costs=adjustable_of_each_input(bench), sampling_plan=bench.sampling_plan
-    ).state_of(bench.evaluate_range(0, count), 0)
+    ).shard_state(bench.evaluate_range(0, count), 0)
 
 
 def filled(goals, worst):
@@ -127,7 +127,7 @@ def test_infeasible_variants_are_not_selected_as_parents():
     goals = ("cost", "mass")
     drawn = ParetoFront(
         goals=goals, costs=adjustable_of_each_input(bench), sampling_plan=bench.sampling_plan
-    ).state_of(bench.evaluate_range(0, 8192), 0)
+    ).shard_state(bench.evaluate_range(0, 8192), 0)
     none = {k: v[:0] for k, v in drawn.items()}
     found = evolve_pareto_front(bench, goals, none, count=1024)
     assert found["verdict"].max() <= VERDICTS.index("warn")

@@ -28,6 +28,7 @@ from scipy import stats
 
 import cardan
 from cardan.application import overrides, reader
+from cardan.application.variant_sampling import SampledVariable, SamplingPlan, sampling_plan
 from cardan.approval.approval import approve_driveline
 from cardan.cli import cli
 from cardan.core.errors import CardanError, FileIssue, InvalidFileError
@@ -58,7 +59,6 @@ from cardan.topics.variants.presentation_figures import (
 )
 from cardan.topics.variants.presentation_json import json_document
 from cardan.topics.variants.runner import run_study
-from cardan.topics.variants.sampling import SampledVariable, SamplingPlan, sampling_plan
 from cardan.topics.variants.schema import read_variant_study as read_study
 from cardan.topics.variants.screen_presentation import screen_lines
 from cardan.topics.variants.shard_job import ShardJob, _evaluator_of
@@ -498,7 +498,7 @@ def test_sobol_indices_match_ishigami_function():
     pairs = reduce.SobolSamplePairs(factors=3)
     step = 5 * 4000
     states = [
-        pairs.state_of(Made(drawn.unit_points(k, k + step), ishigami), k)
+        pairs.shard_state(Made(drawn.unit_points(k, k + step), ishigami), k)
         for k in range(0, 5 * step, step)
     ]
     found = sobol_indices(functools.reduce(pairs.merge, states))

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 from scipy.special import ndtri
 
 from cardan.application import reader
+from cardan.application.variant_sampling import SampledVariable, SamplingPlan
 from cardan.cli import cli
 from cardan.core.errors import InvalidFileError
 from cardan.model.variants import VariantOutputs, VariedNumber
@@ -16,7 +17,6 @@ from cardan.topics.variants.evaluation import build_variants
 from cardan.topics.variants.presentation import terminal_lines
 from cardan.topics.variants.presentation_json import json_document
 from cardan.topics.variants.runner import run_study
-from cardan.topics.variants.sampling import SampledVariable, SamplingPlan
 from cardan.topics.variants.statistics import clopper_pearson_interval
 from cardan.topics.variants.yield_surrogate import CROSS_VALIDATION_FOLDS, predict_yield
 

@@ -105,6 +105,6 @@ class DuplicateBlockDetector:
         return at[:-1][same], at[1:][same]
 
 
-SOURCE = FaultSource(
+FAULT_SOURCE = FaultSource(
     kinds=(FaultKind(code=FAULT_REPEAT, maskable=True),), detector=DuplicateBlockDetector
 )

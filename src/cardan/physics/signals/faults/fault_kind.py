@@ -1,6 +1,6 @@
 """What a kind of fault declares: its code, its repair, and the detector that finds it.
 
-A kind has a module of its own, which declares a `SOURCE`; `registry` lists the modules.
+A kind has a module of its own, which declares a `FAULT_SOURCE`; `registry` lists the modules.
 Detector, conditioning, rules, reports and options take all else from there.
 """
 

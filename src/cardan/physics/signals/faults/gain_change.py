@@ -46,7 +46,7 @@ MIN_SHARE_OF_SPANS_WITH_STEADY_BANDS = 0.9
 force acts now and then, they go up and down together as well."""
 MIN_COMMON_CHANGE_STANDARD_ERRORS = 5.0
 """Errors that a change has by what all bands do together: there are many places to choose from."""
-MIN_MEAN_POLARITY_PRODUCT_ACROSS_CHANGE = 0.25
+MIN_PRODUCT_OF_MEAN_SIGNS_BESIDE_CHANGE = 0.25
 """Product of the mean signs on both sides beyond which a band says which way round a channel is."""
 MIN_FORCES_CHANGE_LN, MIN_FORCES_TO_GAIN_CHANGE_RATIO = float(np.log(2.5)), 1.5
 """Step of both channels' levels, as a logarithm, from which it is the forces that changed; and how
@@ -244,8 +244,8 @@ def _change_at_spans(
         larger[k] = _exceeds_common_variation(np.concatenate(rest, -1), says[k], size[k])
     over = np.where(heard, way[:-SEARCH_STEPS_PER_WINDOW] * way[SEARCH_STEPS_PER_WINDOW:], 0.0)
     inverted = _enough_bands_agree(
-        over < -MIN_MEAN_POLARITY_PRODUCT_ACROSS_CHANGE,
-        np.abs(over) > MIN_MEAN_POLARITY_PRODUCT_ACROSS_CHANGE,
+        over < -MIN_PRODUCT_OF_MEAN_SIGNS_BESIDE_CHANGE,
+        np.abs(over) > MIN_PRODUCT_OF_MEAN_SIGNS_BESIDE_CHANGE,
     )
     # The medians are as far apart some spans before and behind: the means are most where it is.
     apart, flip = (
@@ -338,4 +338,4 @@ def without_gain_changes(x: FloatArray, start: int, gains: FaultIntervals) -> Fl
 
 
 KIND = FaultKind(code=FAULT_GAIN, correction=without_gain_changes, correctable=True)
-SOURCE = FaultSource(kinds=(KIND,), comparison=GainChangeDetector)
+FAULT_SOURCE = FaultSource(kinds=(KIND,), comparison=GainChangeDetector)

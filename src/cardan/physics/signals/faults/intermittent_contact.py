@@ -156,7 +156,7 @@ def _white_noise_flatness(count: IntArray) -> FloatArray:
     return np.exp(digamma(count)) / count
 
 
-SOURCE = FaultSource(
+FAULT_SOURCE = FaultSource(
     kinds=(FaultKind(code=FAULT_NOISE, maskable=True),),
     detector=lambda _: IntermittentContactDetector(),
 )

@@ -27,7 +27,7 @@ MAX_SPIKE_NEIGHBOUR_ERROR_RATIO = 0.1
 """Of how far a sample is off, how much its neighbours may be off otherwise than by it."""
 
 
-def differences(x: FloatArray, lag: int) -> tuple[FloatArray, FloatArray, BoolArray]:
+def lagged_differences(x: FloatArray, lag: int) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return how x moves within so many samples, the size of it, and where it `may_stand_out`."""
     d = x[lag:] - x[:-lag]
     size = np.abs(d)

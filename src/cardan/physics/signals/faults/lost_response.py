@@ -39,7 +39,7 @@ USUAL_QUANTILE = 0.25
 """Quantile of the difference between two gauges' levels that is usual: more is lost elsewhere."""
 SMOOTHED_SPANS, MIN_LOST_SPANS = 5, 5
 """Spans whose median is taken, and the fewest that are lost: gears are shifted within less."""
-STEP_SPANS, MIN_STEP_SPANS, TRANSITION_SPANS = 5, 3, 1
+STEP_SPANS, MIN_COMPARED_SPANS_OUTSIDE_LOSS, TRANSITION_SPANS = 5, 3, 1
 """Spans to either side of an end whose levels are compared, the fewest outside, and those
 between."""
 SPANS_PER_BLOCK = 16
@@ -169,7 +169,9 @@ def _ends(first: int, last: int, count: int) -> list[tuple[slice, slice]]:
             slice(last - TRANSITION_SPANS - inner, last - TRANSITION_SPANS),
         ),
     ]
-    return [(out, into) for out, into in ends if out.stop - out.start >= MIN_STEP_SPANS]
+    return [
+        (out, into) for out, into in ends if out.stop - out.start >= MIN_COMPARED_SPANS_OUTSIDE_LOSS
+    ]
 
 
 def _steps_alone(own: FloatArray, other: FloatArray, outside: slice, inside: slice) -> bool:
@@ -207,4 +209,4 @@ KIND = FaultKind(
     maskable=True,
     explained_by=(FAULT_MISSING_SAMPLES, FAULT_FREEZE, FAULT_DROPOUT, FAULT_GAIN),
 )
-SOURCE = FaultSource(kinds=(KIND,), comparison=LostResponseDetector)
+FAULT_SOURCE = FaultSource(kinds=(KIND,), comparison=LostResponseDetector)

@@ -215,6 +215,6 @@ def _find_steady_tones(
         yield _SteadyTone(first + begins[mine], typical[mine], first + at, z[at, k])
 
 
-SOURCE = FaultSource(
+FAULT_SOURCE = FaultSource(
     kinds=(FaultKind(code=FAULT_HUM, correctable=True),), detector=MainsHumDetector
 )

@@ -67,4 +67,4 @@ class RectificationDetector:
         return np.concatenate(self.at)
 
 
-SOURCE = FaultSource(kinds=(gain_change.KIND,), detector=lambda _: RectificationDetector())
+FAULT_SOURCE = FaultSource(kinds=(gain_change.KIND,), detector=lambda _: RectificationDetector())

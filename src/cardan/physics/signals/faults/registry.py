@@ -14,17 +14,17 @@ from cardan.physics.signals.faults import (
 )
 
 FAULT_SOURCES = (
-    value_steps.SOURCE,
-    waveform.SOURCE,
-    rectified.SOURCE,
-    gain_change.SOURCE,
-    lost_response.SOURCE,
-    intermittent_contact.SOURCE,
-    duplicate_blocks.SOURCE,
+    value_steps.FAULT_SOURCE,
+    waveform.FAULT_SOURCE,
+    rectified.FAULT_SOURCE,
+    gain_change.FAULT_SOURCE,
+    lost_response.FAULT_SOURCE,
+    intermittent_contact.FAULT_SOURCE,
+    duplicate_blocks.FAULT_SOURCE,
     whole_channel.DRIFT_SOURCE,
-    mains_hum.SOURCE,
+    mains_hum.FAULT_SOURCE,
     whole_channel.CONTRADICTION_SOURCE,
-    stuck_bit.SOURCE,
+    stuck_bit.FAULT_SOURCE,
 )
 """What declares kinds; if two find the same kind in a channel, the later one counts."""
 

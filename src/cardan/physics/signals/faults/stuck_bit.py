@@ -95,6 +95,6 @@ class StuckBitDetector:
         return width if even else 0.0
 
 
-SOURCE = FaultSource(
+FAULT_SOURCE = FaultSource(
     kinds=(FaultKind(code=FAULT_BIT, impossible=True),), detector=lambda _: StuckBitDetector()
 )

@@ -30,7 +30,7 @@ MAX_DISTANCE_FROM_MULTIPLE = 0.1
 """Steps that a gap may be off a whole number of them: float32 rounds, and chance hits a fifth."""
 MIN_SHARE_ON_STEPS, MAX_SHARE_ON_STEPS_BY_CHANCE = 0.95, 0.4
 """Share of the gaps that are whole numbers of a step, where there is one, and where none."""
-MIN_TURNING_SHARE, MIN_MOVES = 0.02, 4
+MIN_TURNING_SHARE, MIN_DISTINCT_MOVE_SIZES = 0.02, 4
 """Share of the samples at which what shakes turns, and numbers of steps that it goes by."""
 MIN_SPANS_OF_A_STEP = 5
 """Spans that have a step, or none, in a row: fewer are a blow that was written otherwise."""
@@ -99,7 +99,10 @@ def _shakes(x: FloatArray, step: float) -> bool:
     """
     moves = np.diff(x[~np.isnan(x)])
     turns = float(np.mean(moves[1:] * moves[:-1] < 0))
-    return turns >= MIN_TURNING_SHARE and np.unique(np.rint(np.abs(moves) / step)).size > MIN_MOVES
+    return (
+        turns >= MIN_TURNING_SHARE
+        and np.unique(np.rint(np.abs(moves) / step)).size > MIN_DISTINCT_MOVE_SIZES
+    )
 
 
 def _is_of_format(change: float) -> bool:
@@ -174,4 +177,4 @@ def _same(one: float, other: float) -> bool:
     return bool(abs(np.log(one / other)) < MAX_SAME_STEP_DIFFERENCE_LN)
 
 
-SOURCE = FaultSource(kinds=(), detector=ValueStepDetector)
+FAULT_SOURCE = FaultSource(kinds=(), detector=ValueStepDetector)

@@ -36,10 +36,10 @@ from cardan.physics.signals.faults.jumps import (
     JUMP_NEIGHBOURHOOD_SAMPLES,
     MAX_STEP_S,
     MAX_STEP_SAMPLES,
-    differences,
     find_jumps,
     find_level_steps,
     find_single_spikes,
+    lagged_differences,
 )
 from cardan.physics.signals.faults.long_runs import LongRuns
 from cardan.physics.signals.faults.quiet_stretches import QuietStretches
@@ -147,7 +147,7 @@ class WaveformFaultDetector:
             highest, lowest = np.maximum.reduceat(plain, edge), np.minimum.reduceat(plain, edge)
             self.reached.append(np.stack([highest, -lowest]))
         offset = self.start - margin
-        moves = {lag: differences(filled, lag) for lag in self.widths}
+        moves = {lag: lagged_differences(filled, lag) for lag in self.widths}
         jumps = find_jumps(filled, *moves[1], longest=margin - JUMP_NEIGHBOURHOOD_SAMPLES - 4)
         pricks, heights = find_single_spikes(filled)
         apart = ~overlaps(pricks, merge_runs([jumps[0]]))
@@ -448,7 +448,7 @@ class WaveformFaultDetector:
         return bool(overlaps(np.array([run[:2]], np.intp), clips.runs)[0])
 
 
-SOURCE = FaultSource(
+FAULT_SOURCE = FaultSource(
     kinds=(
         FaultKind(code=FAULT_MISSING_SAMPLES, of_any_channel=True),
         FaultKind(code=FAULT_SENTINEL, of_any_channel=True, maskable=True),

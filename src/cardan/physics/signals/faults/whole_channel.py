@@ -1,7 +1,7 @@
 """Kinds of fault of a channel or gauge as a whole, which no detector of this package finds.
 
 A channel's levels show whether it drifts (`ChannelReport.drifts`); what was said of a gauge shows
-whether its stress is possible (`DeclaredProperties.contradictions`).
+whether its stress is possible (`DeclaredRecordingProperties.contradictions`).
 """
 
 from cardan.physics.signals.faults.fault_kind import FaultKind, FaultSource

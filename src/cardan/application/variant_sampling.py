@@ -19,6 +19,9 @@ from cardan.schema.node_reader import nearest_name_hint
 SamplingMethod: TypeAlias = Literal["even", "random", "saltelli"]
 """How variants are spread: evenly (Sobol), by Monte Carlo, or in pairs for shares of variance."""
 
+VARIANTS_PER_CHUNK = 128
+"""Variants at a time: fewer pay more for each step, more of them leave the processor's cache."""
+
 HALF_RANDOM_NUMBER_SPACING = 2.0**-54
 """Half the step of the random numbers: no number lies on the edge of (0, 1)."""
 
