@@ -15,8 +15,9 @@ from cardan.core.arrays import BoolArray, FloatArray
 from cardan.physics.signals.faults.fault_kind import SignalBlock
 from cardan.physics.signals.faults.intervals import FaultIntervals, fault_intervals
 
-PREDICTION_ORDER = 24
-"""Samples that predict the next: the impulse response of a usual anti-alias filter, and more."""
+SEARCH_ORDER, PREDICTION_ORDER = 10, 24
+"""Samples that predict the next where suspects are looked for, a number that NumPy is quick with;
+and at a suspect: the impulse response of a usual anti-alias filter, and more."""
 WINDOW_SAMPLES, AUTOCORRELATION_PARTS, AUTOCORRELATION_SAMPLES = 16384, 8, 1024
 """Samples searched at once, and parts of them, each as loud as the others, and their samples, that
 give the first prediction."""
@@ -31,9 +32,10 @@ ERROR_BLOCK_SAMPLES, CELL_SAMPLES = 64, 8
 MIN_ERROR_POWER_RATIO, MAX_SUSPECTS_PER_WINDOW, MAX_SUSPECTS = 4.0, 6, 48
 """Times the errors' usual power of the louder side, over the prediction's order, from which a place
 is looked at, and the most places of a window and of a channel: those that stand out most."""
-MAX_MISFIT = 1.8
+MAX_MISFIT, MAX_MISFIT_WITH_OTHER_NOISE, MAX_NOISE_LAG = 1.8, 1.3, 0.7
 """Power of the errors that a change leaves, in that of the noise. Of 357 true changes 98 % leave
-less than 1.65, of 260 other places with large errors 1 in 20 less than 1.8."""
+less than 1.65, of 260 other places with large errors 1 in 20 less than 1.8. It has to be smaller if
+the noise changes by less than three tenths of the gain's logarithm, as a converter's does."""
 MIN_EVIDENCE = 60.0
 """F statistic of a change against none: other places that leave as little reach 15."""
 MIN_EVIDENCE_AGAINST_ZERO_STEP = 40.0
@@ -116,7 +118,7 @@ class GainBreakDetector:
 
 
 def _prediction_by_autocorrelation(x: FloatArray) -> FloatArray | None:
-    """Return the filter (PREDICTION_ORDER + 1,) that leaves the prediction errors of x (n,)."""
+    """Return the filter (SEARCH_ORDER + 1,) that leaves the prediction errors of x (n,)."""
     from scipy.fft import irfft, next_fast_len, rfft
     from scipy.linalg import toeplitz
 
@@ -124,15 +126,15 @@ def _prediction_by_autocorrelation(x: FloatArray) -> FloatArray | None:
     starts = np.linspace(0, x.size - size, AUTOCORRELATION_PARTS).astype(np.intp)
     parts = x[starts[:, None] + np.arange(size)]
     parts -= parts.mean(-1, keepdims=True)
-    n = next_fast_len(size + PREDICTION_ORDER + 1, real=True)
+    n = next_fast_len(size + SEARCH_ORDER + 1, real=True)
     power = np.abs(rfft(parts * np.hanning(size), n)) ** 2
     total = power.sum(-1, keepdims=True)
-    r = irfft((power[total[:, 0] > 0] / total[total[:, 0] > 0]).sum(0), n)[: PREDICTION_ORDER + 1]
+    r = irfft((power[total[:, 0] > 0] / total[total[:, 0] > 0]).sum(0), n)[: SEARCH_ORDER + 1]
     return _prediction(toeplitz(r))
 
 
 def _prediction_by_least_squares(parts: tuple[FloatArray, FloatArray]) -> FloatArray | None:
-    """Return the same of two parts, each about its own mean."""
+    """Return the same of higher order of two parts, each about its own mean."""
     rows = np.concatenate([_latest_first(x - x.mean()) for x in parts])
     return _prediction(rows.T @ rows)
 
@@ -154,7 +156,7 @@ def _latest_first(x: FloatArray) -> FloatArray:
 def _errors(x: FloatArray, by: FloatArray) -> FloatArray:
     """Return the errors (n,) of a prediction of x (n,), zero where nothing predicts."""
     errors = np.convolve(x, by)[: x.size]
-    errors[:PREDICTION_ORDER] = 0.0
+    errors[: by.size - 1] = 0.0
     return errors
 
 
@@ -228,10 +230,13 @@ def _gain_change(near: FloatArray) -> tuple[int, float] | None:
         and abs(louder) > MIN_GAIN_CHANGE_LN
         and abs(louder + np.log(abs(one))) < MAX_NOISE_MISMATCH_LN
     )
+    size = float(np.log(abs(old[k])))
+    noise_follows = abs(louder + size) < max(MAX_NOISE_LAG * abs(size), MAX_NOISE_MISMATCH_LN)
     other_zero = (
-        _misfit(squares[k], old[k], noise) < MAX_MISFIT
+        _misfit(squares[k], old[k], noise)
+        < (MAX_MISFIT if noise_follows else MAX_MISFIT_WITH_OTHER_NOISE)
         and _f_statistic(zero_only, squares[k], 1) > MIN_EVIDENCE_AGAINST_ZERO_STEP
-        and (old[k] < 0 or abs(np.log(old[k])) > MIN_GAIN_CHANGE_LN)
+        and (old[k] < 0 or abs(size) > MIN_GAIN_CHANGE_LN)
     )
     factor = one if same_zero else float(old[k])
     offset = 0.0 if same_zero else float(-(factor * new[k] + kept[k]) @ zero / length)
