@@ -98,8 +98,8 @@ def test_at_most_one_in_100_clean_recordings_is_rejected(count):
 
 
 SINGLE = {
-    "gain from midway": 0.7,
-    "gain for a while": 0.6,
+    "gain from midway": 0.8,
+    "gain for a while": 0.8,
     "lead": 0.65,
     "filter switched on": 0.35,
 }

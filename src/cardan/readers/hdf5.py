@@ -29,9 +29,17 @@ _UNIT_ATTRIBUTES = ("unit", "units", "Unit", "Units", "unit_string")
 
 def open_hdf5(path: Path, group: str = "") -> RecordingFileColumns:
     """Open an HDF5 recording: one-dimensional datasets of one group and one length."""
+    try:
+        return _open_groups(path, open_hdf5_file(path), group)
+    except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
+        # Of damaged parts h5py raises any of them.
+        raise unreadable_recording_error(path, f"it is damaged: {error}") from error
+
+
+def _open_groups(path: Path, file: Any, group: str) -> RecordingFileColumns:
+    """Return the datasets of a file, or of a group in it, as tables of one clock each."""
     import h5py  # pyright: ignore[reportMissingTypeStubs]
 
-    file = open_hdf5_file(path)
     sets: dict[str, Any] = {}
     single: dict[str, Any] = {}
     wide: list[str] = []
@@ -244,7 +252,7 @@ def _dataset_table(
                 for row, k in zip(piece, places, strict=True):
                     row[:] = packed[k].unpack(_stretch(items[k], first))
                 yield piece
-        except OSError as error:
+        except (OSError, RuntimeError) as error:
             raise unreadable_recording_error(path, f"it is damaged: {error}") from error
 
     def unit(item: Any) -> str:

@@ -35,7 +35,7 @@ def open_v73(path: Path) -> list[Variable]:
             # Behind # MATLAB keeps what references lead to; other links may lead out of the file.
             if not name.startswith("#") and isinstance(file.get(name, getlink=True), h5py.HardLink):
                 _add(path, file, file[name], name, found, depth=0)
-    except (OSError, RuntimeError, KeyError) as error:
+    except (OSError, RuntimeError, KeyError, TypeError, ValueError) as error:
         raise unreadable_recording_error(path, f"it is damaged: {error}") from error
     return found
 
@@ -109,7 +109,7 @@ def _reader(path: Path, item: Any) -> Any:
                 return item[row, within : within + many].astype(float)
             last = -(-(first + many) // inner)
             return item[row:last].astype(float).ravel()[within : within + many]
-        except OSError as error:
+        except (OSError, RuntimeError) as error:
             raise unreadable_recording_error(path, f"it is damaged: {error}") from error
 
     return read

@@ -31,7 +31,7 @@ def open_parquet(path: Path, _group: str = "") -> RecordingFileColumns:
     try:
         # Without these two a whole file or row group is held back.
         file: Any = pq.ParquetFile(path, pre_buffer=False, buffer_size=1 << 20)
-    except (pa.ArrowInvalid, OSError) as error:
+    except (pa.ArrowException, OSError) as error:
         raise unreadable_recording_error(
             path, f"Parquet cannot open it: {error}", hint="was it written to its end?"
         ) from error
@@ -67,7 +67,7 @@ def open_parquet(path: Path, _group: str = "") -> RecordingFileColumns:
                 ]
                 kind = np.result_type(np.float32, *columns)
                 yield np.stack([c.astype(kind, copy=False) for c in columns])
-        except (pa.ArrowInvalid, OSError) as error:
+        except (pa.ArrowException, OSError) as error:
             raise unreadable_recording_error(path, f"it is damaged: {error}") from error
         if read != claimed:
             raise missing_rows_error(path, claimed, read)

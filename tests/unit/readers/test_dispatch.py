@@ -224,6 +224,20 @@ def test_utf_32_file_is_rejected_by_name(tmp_path):
     refused(write(tmp_path / "a.csv", "time,S1\n0,1\n0.1,2\n", "utf-32"), "letters are UTF-32")
 
 
+def test_hdf5_whose_parts_are_damaged_is_rejected(tmp_path, monkeypatch):
+    """h5py raises RuntimeError of a broken tree, and KeyError, ValueError or TypeError beside."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["S1"] = np.arange(100.0)
+    for error in (RuntimeError, KeyError, ValueError, TypeError):
+
+        def broken(*_, error=error):
+            raise error("broken tree")
+
+        monkeypatch.setattr(h5py.Group, "visititems", broken)
+        refused(tmp_path / "a.h5", "damaged: .*broken tree")
+
+
 def test_hdf5_names_multicolumn_datasets_left_out(tmp_path):
     """It said that there is no channel, and not that it left one out."""
     h5py = pytest.importorskip("h5py")

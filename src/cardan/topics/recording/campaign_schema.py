@@ -35,11 +35,19 @@ from cardan.schema.node_reader import (
 )
 from cardan.schema.tables import Table, TableField, table_key_field
 from cardan.schema.yaml_tree import parse_yaml, read_text
-from cardan.topics.recording.option_table import OPTIONS, FileKey, LifeOption, file_keys, in_order
+from cardan.topics.recording.option_table import (
+    OPTIONS,
+    SN_CURVE_MAXIMA,
+    FileKey,
+    LifeOption,
+    file_keys,
+    in_order,
+)
 
 T = TypeVar("T", bound=Table)
 
 _TIME = NumberField(least=0, most=1e9)
+_SN_AMPLITUDE, _SN_CYCLES, _SN_SLOPE = (NumberField(above=0, most=m) for m in SN_CURVE_MAXIMA)
 _ONE_OR_SEVERAL = UnionField(TextField(), ListField(TextField()))
 
 
@@ -290,11 +298,9 @@ class CampaignRecordingTable(Table):
 class GaugeFatigueStrengthTable(Table):
     """The S-N curve at the gauges, half failed."""
 
-    amplitude_MPa: Annotated[float, NumberField(above=0, most=10_000)] = table_key_field(  # noqa: N815
-        "at the knee"
-    )
-    cycles: Annotated[float, NumberField(above=0, most=1e12)] = table_key_field("at the knee")
-    slope: Annotated[float, NumberField(above=0, most=100)] = table_key_field("above the knee")
+    amplitude_MPa: Annotated[float, _SN_AMPLITUDE] = table_key_field("at the knee")  # noqa: N815
+    cycles: Annotated[float, _SN_CYCLES] = table_key_field("at the knee")
+    slope: Annotated[float, _SN_SLOPE] = table_key_field("above the knee")
 
     def build(self) -> dict[str, Any]:
         """Return it as the options say it."""

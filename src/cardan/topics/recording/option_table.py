@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+SN_CURVE_MAXIMA = 10_000.0, 1e12, 100.0
+"""Largest amplitude (MPa), cycles and slope of an S-N line: beyond, numbers changed places."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class NumberRange:

@@ -57,7 +57,7 @@ from cardan.topics.recording.channel_reading import (
     unit_doubts,
     unit_factor,
 )
-from cardan.topics.recording.option_table import OPTIONS, OptionTable
+from cardan.topics.recording.option_table import OPTIONS, SN_CURVE_MAXIMA, OptionTable
 
 STUDY_NAME = "recording"
 LIFE_OPTION_SOURCE = Source("given with the recording")
@@ -571,6 +571,16 @@ class AnalysisOptions(OptionTable):
         if not (math.isfinite(amplitude) and math.isfinite(cycles) and math.isfinite(slope)):
             msg = f"an S-N curve is of finite numbers, got {self.sn!r}"
             raise DesignError(msg)
+        for name, value, most in zip(
+            ("AMPLITUDE_MPa", "CYCLES", "SLOPE"), (amplitude, cycles, slope), SN_CURVE_MAXIMA,
+            strict=True,
+        ):  # fmt: skip
+            if not 0 < value <= most:
+                msg = (
+                    f"{name} of the S-N curve {self.sn} must be above 0 and at most {most:g}, "
+                    f"got {value:g}: write AMPLITUDE_MPa,CYCLES,SLOPE"
+                )
+                raise DesignError(msg)
         if self.ultimate_MPa is not None and amplitude >= self.ultimate_MPa:
             msg = (
                 f"the S-N curve's knee, {amplitude:g} MPa, must lie below the tensile strength, "

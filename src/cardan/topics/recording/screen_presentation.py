@@ -333,20 +333,23 @@ def _evidence_cells(of: JointAttribution | None, say: Translator) -> list[str]:
 def _largest_cause_lines(gauges: Sequence[GaugeResult], say: Translator, width: int) -> list[str]:
     """Return the largest cause apart from the joints where these are not found to dominate.
 
-    The joints' own share stands in the table, by phase and torque; that of the orders
-    (`ShapleyAttribution.share`) is another number, and only in the full result.
+    As the joints' in the table it is the share of the damage that goes without it; Shapley shares
+    are other numbers, and only in the full result.
     """
     items: list[str] = []
     for g in gauges:
         if g.evidence is None or g.evidence.verdict == JOINTS_DOMINANT or g.causes is None:
             continue
-        others = {name: s for name, s in g.causes.shares.items() if name != CAUSE_JOINTS}
-        if others and g.causes.total_damage > 0:
-            chief, share = max(others.items(), key=lambda one: one[1])
-            items.append(f"{g.name} {say(chief)} {share_text(share, say)}")
+        whole = g.causes.total_damage
+        others = [name for name in g.causes.causes if name != CAUSE_JOINTS]
+        if others and whole > 0:
+            chief = min(others, key=g.causes.without)
+            gone = 1 - g.causes.without(chief) / whole
+            items.append(f"{g.name} {say(chief)} {share_text(gone, say)}")
     return capped_list_lines(
-        say("Largest share apart from the joints:"), items, MAX_LIST_LINES, "--all", say, width
-    )
+        say("Largest damage that goes without one cause, apart from the joints:"), items,
+        MAX_LIST_LINES, "--all", say, width,
+    )  # fmt: skip
 
 
 # --------------------------------------------------------------------------- data, open points

@@ -91,7 +91,9 @@ def test_screen_has_verdict_life_with_interval_and_cause_worst_gauge_first():
     assert " ".join(better[5:]) == "97 % (90 … 100) joints dominate"
     said = " ".join(" ".join(lines).split())
     assert "fatigue life min 100 h: 1 exceeded, 1 met; worst S2" in said
-    assert "Largest share apart from the joints: S2 events 75 %" in said
+    assert (
+        "Largest damage that goes without one cause, apart from the joints: S2 events 80 %" in said
+    )
     assert "cause at S2 undetermined: no torque shows when the joints pull" in said
 
 
@@ -102,7 +104,9 @@ def test_screen_has_one_share_of_the_joints():
     causes = of.answer.causes
     causes.attributions = (shares,) * len(causes.gauges)
     said = " ".join(" ".join(screen(of)).split())
-    assert "Largest share apart from the joints: S2 events 25 %" in said
+    assert (
+        "Largest damage that goes without one cause, apart from the joints: S2 events 30 %" in said
+    )
     assert "75 %" not in said
 
 

@@ -24,6 +24,7 @@ from cardan.physics.signals.faults.fault_kind import (
     FaultSource,
     SignalBlock,
 )
+from cardan.physics.signals.faults.gain_breaks import PREDICTION_ORDER, GainBreakDetector
 from cardan.physics.signals.faults.gain_change import FAULT_GAIN
 from cardan.physics.signals.faults.intervals import (
     NO_FAULTS,
@@ -120,6 +121,7 @@ class WaveformFaultDetector:
         self.blunt: dict[int, FloatArray] = {1: np.empty((0, 6)), -1: np.empty((0, 6))}
         self.hole, self.still = LongRuns(1), LongRuns(max(round(MIN_FREEZE_S * rate), 20))
         self.quiet = QuietStretches(rate)
+        self.breaks = GainBreakDetector()
         self.beside: dict[int, int] = {}
         self.moved_at: dict[int, float] = {}
         self.last, self.changes, self.step = np.nan, 0, np.inf
@@ -133,6 +135,7 @@ class WaveformFaultDetector:
         self.hole.update(missing, self.start, x)
         self._still(x)
         self.quiet.update(x)
+        self.breaks.update(block)
         written = np.zeros(x.size, bool)
         if (np.abs(x) >= MIN_SENTINEL_MAGNITUDE).any():
             written = np.isin(x, SENTINEL_VALUES)
@@ -288,7 +291,12 @@ class WaveformFaultDetector:
         )
         taken = merge_runs(out[k].runs for k in (FAULT_SPIKE, FAULT_DROPOUT, FAULT_SENTINEL))
         jumps = FaultIntervals(taken, np.zeros(len(taken)))
-        out[FAULT_ZERO_SHIFT], out[FAULT_GAIN] = self._zero_steps_and_gain_changes(of, jumps)
+        level = merge_runs(out[k].runs for k in (FAULT_CLIP, FAULT_FREEZE))
+        breaks = self.breaks.result()
+        near = breaks.runs + np.array([-PREDICTION_ORDER, PREDICTION_ORDER])
+        out[FAULT_ZERO_SHIFT], out[FAULT_GAIN] = self._zero_steps_and_gain_changes(
+            of, jumps, breaks.select(~overlaps(near, level))
+        )
         return out
 
     def _lost(self, taken: IntArray, *, typical: float) -> FaultIntervals:
@@ -313,7 +321,7 @@ class WaveformFaultDetector:
         return runs[free], sizes[free]
 
     def _zero_steps_and_gain_changes(
-        self, of: ChannelStatistics, jumps: FaultIntervals
+        self, of: ChannelStatistics, jumps: FaultIntervals, breaks: FaultIntervals
     ) -> tuple[FaultIntervals, FaultIntervals]:
         """Return the steps of the zero: tears, and what takes some samples and stays.
 
@@ -325,6 +333,12 @@ class WaveformFaultDetector:
         torn, heights = self._torn(jumps.runs, typical=typical)
         by = gain_factors(torn, heights, levels=levels, swings=of.swings, span=span)
         torn, gains = torn.select(by == 1.0), FaultIntervals(torn.runs, by).select(by != 1.0)
+        breaks = breaks.select(~overlaps(breaks.runs, jumps.runs))
+        about = breaks.runs + np.array([-MAX_STEP_SAMPLES, MAX_STEP_SAMPLES])
+        torn, gains = (of.select(~overlaps(of.runs, about)) for of in (torn, gains))
+        gains = fault_intervals(
+            np.concatenate([gains.runs, breaks.runs]), np.concatenate([gains.sizes, breaks.sizes])
+        )
         runs, sizes = self._steps_of(merge_runs([jumps.runs, gains.runs]), typical=typical)
         at = runs.mean(axis=-1).astype(np.intp)
         before, behind = at // span - 1, -(-at // span)
