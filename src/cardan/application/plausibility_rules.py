@@ -223,9 +223,10 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       lines.compare_axle_spacing, (1.02, 2), AXLE_SPACING_SOURCE,
       hint="check the line's length, and where its joints sit at both axles"),
     R("axle_ratios_alike", "the axle's ratio over that of the first line's",
-      lines.compare_axle_ratios_alike, (0.98, 1.02), hint="axles that turn together have one ratio"),
-    R("transfer_power", "torque ratio times speed ratio", lines.compare_transfer_power, (0.85, 1.01),
-      BY_DEFINITION, hint="gears that multiply torque divide speed"),
+      lines.compare_axle_ratios_alike, (0.98, 1.02),
+      hint="axles that turn together have one ratio"),
+    R("transfer_power", "torque ratio times speed ratio", lines.compare_transfer_power,
+      (0.85, 1.01), BY_DEFINITION, hint="gears that multiply torque divide speed"),
     # --- speed and torque
     R("top_speed", "top speed over that of the engine in its highest gear", power.compare_top_speed,
       (0.45, 1.05), hint="is it the gearbox output's, in this unit?"),

@@ -13,6 +13,7 @@ from cardan.application.relation_context import (
 )
 from cardan.core.units import deg, mm
 
+
 def compare_torque_shares(of: RelationContext) -> ComparedValues:
     """Sum of the torque shares of all lines that leave the gearbox, 1 if none is missing."""
     lines = [line for line in of.lines if line.leaves_gearbox]

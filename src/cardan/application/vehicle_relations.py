@@ -5,8 +5,6 @@ from contextlib import suppress
 from itertools import pairwise
 from math import nan
 
-import numpy as np
-
 from cardan.application.relation_context import (
     ComparedValue,
     ComparedValues,

@@ -412,9 +412,7 @@ def _smallest(
             continue
         if _answered(before, offer) - _answered(now, offer):
             continue  # what was answered is not
-        worse = tuple(
-            c for c in now.values() if _place(c) > _grade_before(c, offer, before)
-        )
+        worse = tuple(c for c in now.values() if _place(c) > _grade_before(c, offer, before))
         found = Remedy(offer=offer, resolved_checks=((problem, after),), worsened_checks=worse)
         if after.grade == "pass" and not worse:
             return found
