@@ -1,5 +1,7 @@
 """Relations between the values of shafts, joints, bearings and where a line runs."""
 
+from collections.abc import Iterator
+from itertools import pairwise
 from math import nan
 
 import numpy as np
@@ -16,7 +18,7 @@ from cardan.application.typical_values import find_csv_row_by_name, shipped_csv_
 from cardan.core.arrays import FloatArray
 from cardan.core.units import GPa, MPa, deg, mm
 from cardan.model.layout import Layout
-from cardan.model.parts import Tube
+from cardan.model.parts import JointKind, Tube
 from cardan.physics.kinematics.joint_chain import rotate_chain
 
 MIN_COMPARED_EQUIVALENT_ANGLE = 0.8 * deg
@@ -34,8 +36,24 @@ STEEL_MODULUS_RANGE = (150 * GPa, 250 * GPa)
 NEEDED_STROKE_SHARE = 0.3
 """Share of a spline's stroke that states use, from which a long one is for the suspension."""
 
+LARGEST_ANGLE_OF_KIND: dict[JointKind, float] = {
+    "cross": 45 * deg,
+    "double cardan": 50 * deg,
+    "rzeppa": 52 * deg,
+    "tripod": 26 * deg,
+    "flexible disc": 8 * deg,
+}
+"""Largest angle that joints of a kind are built for, rad.
+
+Fixed ball joints have 47 to 52 deg, plunging tripods 23 to 26: Seherr-Thoss, Schmelz & Aucktor
+(2006), from memory; others assumed. A tripod without plunge is not compared.
+"""
+
 PRINTED_SIZE_TOLERANCE = 0.01
 """Makers print the sizes of inch tubes in mm, rounded."""
+
+ROUNDED_DIAMETER_TOLERANCE = 0.005
+"""The same of a diameter: 102 for 101.6 mm."""
 
 
 # --- shafts
@@ -57,6 +75,33 @@ def compare_tube_thinness(of: RelationContext) -> ComparedValues:
         if tube and tube.inner > 1e-3 * tube.outer:  # a solid bar is meant
             keys = f"{at}.tube.wall", f"{at}.tube"
             yield ComparedValue(keys, tube.outer / tube.wall, (f"{at}.tube.outer",))
+
+
+def compare_tube_digits(of: RelationContext) -> ComparedValues:
+    """1 if a tube's diameter, of no catalogue, is one of a catalogue with two digits exchanged."""
+    for at, shaft, _ in of.shafts:
+        if isinstance(shaft.tube, Tube):
+            outer = shaft.tube.outer / mm
+            text = f"{outer:.6g}"
+            others = [] if _is_catalogue_diameter(outer) else _exchanged_digits(text)
+            known = next((other for other in others if _is_catalogue_diameter(float(other))), "")
+            keys = f"{at}.tube.outer", f"{at}.tube"
+            yield ComparedValue(keys, float(bool(known)), detail=f"{text} mm, {known} mm")
+
+
+def _is_catalogue_diameter(outer: float) -> bool:
+    known = {float(row["outer_mm"]) for row in shipped_csv_rows("tubes.csv")}
+    return any(abs(outer / size - 1) < ROUNDED_DIAMETER_TOLERANCE for size in known)
+
+
+def _exchanged_digits(number: str) -> Iterator[str]:
+    """Yield a number's text with each two neighbouring digits exchanged, a point between aside."""
+    places = [k for k, character in enumerate(number) if character.isdigit()]
+    for a, b in pairwise(places):
+        if number[a] != number[b]:
+            text = list(number)
+            text[a], text[b] = text[b], text[a]
+            yield "".join(text)
 
 
 def compare_bearing_place(of: RelationContext) -> ComparedValues:
@@ -343,6 +388,37 @@ def compare_joint_bearing_rating(of: RelationContext) -> ComparedValues:
                 keys = f"{line.at}.joints.bearing_Td", f"{line.at}.joints[{k}].bearing_Td"
                 rating = ratio(joint.bearing_torque, joint.peak_torque)
                 yield ComparedValue(keys, rating, (f"{line.at}.joints",))
+
+
+def compare_roller_rating(of: RelationContext) -> ComparedValues:
+    """Torque rating of a Rzeppa or tripod joint's balls or rollers over its peak torque."""
+    for line in of.lines:
+        for k, joint in enumerate(line.installed.line.joints, 1):
+            if joint and joint.kind in ("rzeppa", "tripod"):
+                rating = ratio(joint.bearing_torque, joint.peak_torque)
+                keys = f"{line.at}.joints.bearing_Td", f"{line.at}.joints[{k}].bearing_Td"
+                yield ComparedValue(keys, rating, (f"{line.at}.joints[{k}].peak",))
+
+
+def compare_rated_angle(of: RelationContext) -> ComparedValues:
+    """Angle that a joint's life is rated at over its largest angle."""
+    for line in of.lines:
+        for k, joint in enumerate(line.installed.line.joints, 1):
+            if joint:
+                value = ratio(joint.rated_angle, joint.angle_max)
+                at = f"{line.at}.joints[{k}]"
+                keys = f"{at}.rated_angle", f"{line.at}.joints"
+                yield ComparedValue(keys, value, (f"{at}.angle_max",))
+
+
+def compare_angle_of_kind(of: RelationContext) -> ComparedValues:
+    """Largest angle of a joint over that which joints of its kind are built for."""
+    for line in of.lines:
+        for k, joint in enumerate(line.installed.line.joints, 1):
+            if joint and not (joint.kind == "tripod" and joint.plunge is None):
+                value = ratio(joint.angle_max, LARGEST_ANGLE_OF_KIND[joint.kind])
+                keys = f"{line.at}.joints[{k}].angle_max", f"{line.at}.joints"
+                yield ComparedValue(keys, value, (f"{line.at}.joints[{k}].kind",))
 
 
 def compare_joint_reserve(of: RelationContext) -> ComparedValues:
@@ -632,68 +708,3 @@ def _chord_slopes(of: RelationContext, *, view: str) -> ComparedValues:
         value = abs(float(chord - np.mean(ends))) / deg
         keys = (f"{line.at}.points[{len(layout.points)}]", f"{line.at}.points")
         yield ComparedValue(keys, value, against)
-
-
-# --- several lines
-
-
-def compare_torque_shares(of: RelationContext) -> ComparedValues:
-    """Sum of the torque shares of all lines that leave the gearbox, 1 if none is missing."""
-    lines = [line for line in of.lines if line.leaves_gearbox]
-    vehicle = of.application.vehicle
-    driven = {"rear": vehicle.driven_rear, "front": vehicle.driven_front} if vehicle else {}
-    drives = {line.installed.drives for line in lines}
-    if "all" in drives or any(count and end not in drives for end, count in driven.items()):
-        return
-    total = sum(line.installed.torque_share for line in lines)
-    for line in lines:
-        yield ComparedValue((f"{line.at}.torque_share", line.at), float(total), default="1")
-
-
-def compare_inter_axle_shares(of: RelationContext) -> ComparedValues:
-    """Torque share of a line between axles over that of the line ahead of it."""
-    for line in of.lines:
-        for ahead in of.lines:
-            if line.installed.starts_at_axle_of(ahead.installed):
-                value = ratio(line.installed.torque_share, ahead.installed.torque_share)
-                keys = (f"{line.at}.torque_share", line.at)
-                against = (f"{ahead.at}.torque_share",)
-                yield ComparedValue(keys, value, against, default="1")
-
-
-def compare_inter_axle_load_shares(of: RelationContext) -> ComparedValues:
-    """Load share behind a line between axles over that behind the line ahead of it."""
-    for line in of.lines:
-        for ahead in of.lines:
-            if line.installed.starts_at_axle_of(ahead.installed):
-                value = ratio(line.installed.load_share, ahead.installed.load_share)
-                keys = (f"{line.at}.load_share", line.at)
-                yield ComparedValue(keys, value, (f"{ahead.at}.load_share",), default="1")
-
-
-def compare_lines_over_axles(of: RelationContext) -> ComparedValues:
-    """Lines to rear axles over the number of driven rear axles."""
-    vehicle = of.application.vehicle
-    rear = [line for line in of.lines if line.installed.drives == "rear"]
-    if vehicle and vehicle.driven_rear and rear and len(rear) == len(of.lines):
-        value = len(rear) / vehicle.driven_rear
-        yield ComparedValue(("vehicle.drive",), value, ("driveline", "drivelines"))
-
-
-def compare_axle_ratios_alike(of: RelationContext) -> ComparedValues:
-    """Pinion speed for one wheel speed of a line over that of the first line."""
-    geared = [line for line in of.lines if line.installed.axle]
-    for line in geared[1:]:
-        first, own = geared[0].installed, line.installed
-        assert first.axle
-        assert own.axle
-        value = (own.axle.ratio / own.speed_ratio) / (first.axle.ratio / first.speed_ratio)
-        yield ComparedValue((f"{line.axle}.ratio",), value, (f"{geared[0].axle}.ratio",))
-
-
-def compare_transfer_power(of: RelationContext) -> ComparedValues:
-    """Torque ratio times speed ratio of a line: gears keep power."""
-    for line in of.lines:
-        value = line.installed.torque_ratio * line.installed.speed_ratio
-        keys = f"{line.at}.torque_ratio", f"{line.at}.speed_ratio", line.at
-        yield ComparedValue(keys, float(value), (f"{line.at}.speed_ratio",))

@@ -10,6 +10,7 @@ from cardan.application import driveline_relations as line
 from cardan.application import limit_relations as limit
 from cardan.application import obstacle_relations as obstacle
 from cardan.application import powertrain_relations as power
+from cardan.application import several_lines_relations as lines
 from cardan.application import vehicle_relations as vehicle
 from cardan.application.relation_context import PlausibilityRule
 from cardan.physics.loads.rubber_mount import LOSS_FACTOR_RANGE
@@ -45,6 +46,11 @@ RETARDER_SOURCE = "assumed: 80 on a city bus, up to 200 on trucks"
 GOVERNED_SOURCE = "lorries are limited to 90 km/h, Directive 92/6/EEC, from memory; range assumed"
 PITCH_SOURCE = "0.02 to 0.11 in the examples, -1 for a trailing arm by geometry; range assumed"
 LEAF_SOURCE = "mechanics of two cantilevers; 1.9 to 4.8 in the examples; range assumed"
+THROUGH_SLOPE_SOURCE = "geometry: one straight shaft; range assumed, for measured slopes"
+WHEEL_HEIGHT_SOURCE = "geometry: level road; up to 8 mm in the examples, range assumed"
+AXLE_SPACING_SOURCE = "geometry: tyres do not touch; 1.25 to 1.39 in the examples, range assumed"
+ANGLE_OF_KIND_SOURCE = "Seherr-Thoss, Schmelz & Aucktor (2006), from memory; range assumed"
+TUBE_SIZES_SOURCE = "catalogue tubes"
 CHECK_UNIT_HINT = "check the unit"
 
 R = PlausibilityRule
@@ -55,6 +61,11 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       hint="is one of them in another unit?"),
     R("tube_thinness", "the tube's diameter over its wall", line.compare_tube_thinness, (15, 75),
       TUBES_SOURCE, hint="is one of them mistyped, in another unit, or a radius?"),
+    R("tube_digits", "the number of diameters that are a catalogue's with two digits exchanged",
+      line.compare_tube_digits, (0, 0), TUBE_SIZES_SOURCE,
+      hint="check it against the drawing",
+      message="no catalogue has a tube of this diameter, but one with two digits exchanged: "
+      "{detail}"),
     R("shafts_alike", "the longest shaft over the shortest of its line", line.compare_shafts_alike,
       (1, 4),
       hint="is a digit missing in one of them?"),
@@ -92,7 +103,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       hint="is one of them mistyped?"),
     R("yoke_size", "the mass of a shaft's yoke for the peak torque of its joint",
       line.compare_yoke_size,
-      (0.2, 1.5), unit=" kg/kN m", hint="check the unit of the mass, or the joint"),
+      (0.33, 1.5), unit=" kg/kN m", hint="check the unit of the mass, or the joint"),
     R("given_inertia", "the given inertia over that of the tube", line.compare_given_inertia,
       (0.8, 20),
       hint=CHECK_UNIT_HINT),
@@ -126,6 +137,13 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       hint="are they swapped?"),
     R("joint_bearing_rating", "the needle bearings' rating over the joint's peak torque",
       line.compare_joint_bearing_rating, (0.08, 0.6), hint="is it that of this joint, in N·m?"),
+    R("roller_rating", "the rating of balls or rollers over the joint's peak torque",
+      line.compare_roller_rating, (0.03, 0.6), hint="is it that of this joint, in N·m?"),
+    R("rated_angle", "the angle of the rated life over the joint's largest angle",
+      line.compare_rated_angle, (0, 1), BY_DEFINITION, hint="are they swapped?"),
+    R("angle_of_kind", "the joint's largest angle over that of its kind",
+      line.compare_angle_of_kind, (0.1, 1), ANGLE_OF_KIND_SOURCE,
+      hint="is it this joint's, and its kind the right one?"),
     R("joint_reserve", "the joint's peak torque over the line's largest",
       line.compare_joint_reserve,
       (0.3, 6), hint="is the joint, or the torque, that of another vehicle?"),
@@ -180,22 +198,35 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("line_offset", "the line's slope off that of gearbox and pinion, from above,",
       line.compare_line_offset, (0, 3), unit=" deg", hint="are y and z swapped?"),
     # --- several lines
-    R("torque_shares", "the sum of the torque shares", line.compare_torque_shares, (0.99, 1.01),
+    R("torque_shares", "the sum of the torque shares", lines.compare_torque_shares, (0.99, 1.01),
       BY_DEFINITION, hint="the lines that leave the gearbox share all of its torque"),
     R("inter_axle_shares", "the torque share over that of the line ahead",
-      line.compare_inter_axle_shares,
+      lines.compare_inter_axle_shares,
       (0.3, 0.65), SHARES_SOURCE, hint="both are shares of the gearbox output's torque"),
     R("inter_axle_load_shares", "the load share over that of the line ahead",
-      line.compare_inter_axle_load_shares, (0.3, 0.7), SHARES_SOURCE,
+      lines.compare_inter_axle_load_shares, (0.3, 0.7), SHARES_SOURCE,
       hint="behind it stands a part of the bogie's load"),
     R("lines_over_axles", "the number of lines over that of the driven rear axles",
-      line.compare_lines_over_axles, (1, inf), BY_DEFINITION,
+      lines.compare_lines_over_axles, (1, inf), BY_DEFINITION,
       hint="check drive; or add to drivelines the "
       "line from axle to axle, with its output_joint, torque_share and load_share"),
+    R("through_shaft", "the slope through the axle ahead less that of its pinion",
+      lines.compare_through_shaft, (0, 3), unit=" deg",
+      hint="a straight shaft joins pinion and output: check both heights and their signs"),
+    R("through_slope", "the slope of joint 1 off that of the pinion ahead",
+      lines.compare_through_slope, (0, 0.6), THROUGH_SLOPE_SOURCE, unit=" deg",
+      hint="one straight shaft goes through the axle ahead: are digits swapped?"),
+    R("inter_axle_drop", "the line's drop off that between its joints on both axles",
+      lines.compare_inter_axle_drop, (0, 15), WHEEL_HEIGHT_SOURCE, unit=" mm",
+      hint="all wheels stand at one height: check both heights and the last point"),
+    R("axle_spacing", "the distance of both axles over the tyre's diameter",
+      lines.compare_axle_spacing, (1.02, 2), AXLE_SPACING_SOURCE,
+      hint="check the line's length, and where its joints sit at both axles"),
     R("axle_ratios_alike", "the axle's ratio over that of the first line's",
-      line.compare_axle_ratios_alike, (0.98, 1.02), hint="axles that turn together have one ratio"),
-    R("transfer_power", "torque ratio times speed ratio", line.compare_transfer_power, (0.85, 1.01),
-      BY_DEFINITION, hint="gears that multiply torque divide speed"),
+      lines.compare_axle_ratios_alike, (0.98, 1.02),
+      hint="axles that turn together have one ratio"),
+    R("transfer_power", "torque ratio times speed ratio", lines.compare_transfer_power,
+      (0.85, 1.01), BY_DEFINITION, hint="gears that multiply torque divide speed"),
     # --- speed and torque
     R("top_speed", "top speed over that of the engine in its highest gear", power.compare_top_speed,
       (0.45, 1.05), hint="is it the gearbox output's, in this unit?"),
@@ -289,7 +320,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("gear_spread", "the lowest gear's ratio over the highest's", power.compare_gear_spread,
       (1, 30),
       hint="check the ratios"),
-    R("gear_steps", "the gear's ratio over the next one's", power.compare_gear_steps, (1.03, 2.5),
+    R("gear_steps", "the gear's ratio over the next one's", power.compare_gear_steps, (1.08, 2.5),
       hint="is a gear missing or mistyped?"),
     R("gear_progression", "the lowest step between gears over the next",
       power.compare_gear_progression,
@@ -413,9 +444,6 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       vehicle.compare_output_behind, (0.15, 2), hint="behind is away from the gearbox"),
     R("output_height", "joint 1's height above the wheels it leaves, in tyre radii,",
       vehicle.compare_output_height, (-0.15, 0.6), hint=CHECK_UNIT_HINT),
-    R("through_shaft", "the slope through the axle ahead less that of its pinion",
-      vehicle.compare_through_shaft, (0, 3), unit=" deg",
-      hint="a straight shaft joins pinion and output: check both heights and their signs"),
     R("transfer_case_reach", "the lines to front and rear axle together over the wheelbase",
       vehicle.compare_transfer_case_reach, (0.75, 1.1),
       hint="check the wheelbase, or the lines"),

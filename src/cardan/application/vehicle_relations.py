@@ -5,8 +5,6 @@ from contextlib import suppress
 from itertools import pairwise
 from math import nan
 
-import numpy as np
-
 from cardan.application.relation_context import (
     ComparedValue,
     ComparedValues,
@@ -245,24 +243,6 @@ def compare_output_height(of: RelationContext) -> ComparedValues:
             keys = f"{line.at}.output_joint.above", f"{line.at}.output_joint.below"
             value = joint[1] / tyre.static_radius
             yield ComparedValue(keys, value, ("tyre.static_radius",))
-
-
-def compare_through_shaft(of: RelationContext) -> ComparedValues:
-    """Slope from the pinion of a through-driven axle to its output less the pinion's own, deg.
-
-    The shaft through the axle is one straight line, or nearly so.
-    """
-    for line in of.lines:
-        for ahead in of.lines:
-            axle, output = ahead.installed.axle, line.installed.output_joint
-            given = axle and axle.pinion_joint[0] and output  # else its place is not known
-            if axle and output and given and line.installed.starts_at_axle_of(ahead.installed):
-                along, up = output[0] - axle.pinion_joint[0], axle.pinion_joint[1] - output[1]
-                slope = np.degrees(np.arctan2(up, along))
-                value = abs(slope - float(ahead.installed.layout.side[-1]) / deg)
-                keys = f"{line.at}.output_joint.above", f"{line.at}.output_joint.below"
-                against = f"{ahead.axle}.pinion", f"{ahead.at}.pinion_slope"
-                yield ComparedValue(keys, float(value), against)
 
 
 def compare_transfer_case_reach(of: RelationContext) -> ComparedValues:

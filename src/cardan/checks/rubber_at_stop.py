@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from cardan.checks.clearance_at_stop import ObstaclesAlongSweeps, obstacles_along_sweeps
 from cardan.checks.line_on_mounts import LineOnMounts
 from cardan.checks.operating_envelope import PointRows
 from cardan.checks.operating_point_results import OperatingPointResults, largest_point, point_rows
@@ -73,6 +74,9 @@ class StopResponse:
         What the peak force consists of at its point, beside unbalance.
     travel : (R, S, n-2) m
         Largest way across the shaft.
+    reach : (S, A) m
+        How far the shafts reach into the obstacles at most, of A pairs, obstacles of the first
+        shaft before those of the second; -inf where no motion is found.
     """
 
     ratios: FloatArray
@@ -81,6 +85,7 @@ class StopResponse:
     points: dict[str, LineOperatingPoints]
     peak_parts: dict[str, FloatArray]
     travel: FloatArray
+    reach: FloatArray
 
     def force(self, kind: str) -> FloatArray:
         """Return one of `FORCE_KINDS` with the larger ratio, (S, n-2) N."""
@@ -183,6 +188,7 @@ def stop_response(
         points={k: _points(mounts, *stiff.points[k]) for k in FORCE_KINDS},
         peak_parts=stiff.peak_parts,
         travel=np.stack([one.travel for one in each]),
+        reach=grid.reach(stop, ratios, states=len(states)),
     )
 
 
@@ -390,6 +396,8 @@ class _Grid:
     is_sliding : (V, C)
         Whether friction limits that, not the stroke.
     stiffness, loss : (C, B, 2) N/m, (Q, C, B) signed as the speed
+    obstacles
+        What stands next to it; None where nothing does.
     """
 
     sweeps: _Sweeps
@@ -405,6 +413,7 @@ class _Grid:
     is_sliding: BoolArray
     stiffness: FloatArray
     loss: FloatArray
+    obstacles: ObstaclesAlongSweeps | None
 
     @classmethod
     def of(cls, mounts: LineOnMounts, sweeps: _Sweeps, held: MountedLine) -> "_Grid":
@@ -480,6 +489,11 @@ class _Grid:
             is_sliding=np.stack(slides),
             stiffness=np.broadcast_to(on.stiffness[..., :2], (*size, 2)),
             loss=np.sign(signed)[..., None] * np.broadcast_to(on.loss, size),
+            obstacles=obstacles_along_sweeps(
+                inputs, laid, travel=asked.travel, thrust=thrust, on=on, own=own
+            )
+            if inputs.obstacles
+            else None,
         )
 
     def travel(self, of: IntArray, thrust: IntArray) -> FloatArray:
@@ -571,3 +585,21 @@ class _Grid:
             whole[kind] = np.full((*motion.place.shape, values.shape[-1]), -np.inf)
             whole[kind][there] = values
         return whole
+
+    def reach(self, stop: FloatArray, ratios: FloatArray, *, states: int) -> FloatArray:
+        """Return how far shafts reach into obstacles in states at most, (S, A) m.
+
+        With each of the `ratios` (R, B); -inf where no motion is found. Thrust is that where the
+        line lies, not what the stroke makes of it elsewhere, and moves it as on linear rubber.
+        """
+        if self.obstacles is None:
+            return np.empty((states, 0))
+        of = np.tile(np.arange(len(self.sweeps.state)), len(ratios))
+        line = self.line(of, 0 * of, stop, np.repeat(ratios, len(self.sweeps.state), axis=0))
+        motion = all_motions(line)
+        there = np.nonzero(~np.isnan(motion.place))
+        own = of[there[1]]
+        found = self.obstacles.reach(motion.travel[there], motion.place[there], own)
+        most = np.full((states, found.shape[-1]), -np.inf)
+        np.maximum.at(most, self.sweeps.state[own], found)
+        return most

@@ -197,6 +197,14 @@ class Check:
         """The occasion as the JSON contract names it: a state, a gear, a load case."""
         return str(self.when)
 
+    @property
+    def grade_as_exceeded(self) -> CheckGrade:
+        """Its grade; fail where the value is a lower bound alone, which no maximum surely holds.
+
+        By it designs are compared: one is no better for a force that is known as "at least".
+        """
+        return "fail" if self.is_lower_bound and self.limit.maximum is not None else self.grade
+
     @cached_property
     def grade(self) -> CheckGrade:
         """Whether the demand passes, warns or fails."""

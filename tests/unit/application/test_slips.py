@@ -214,7 +214,7 @@ BUS, INDUSTRIAL, SMALL, TRUCK, TANDEM, PICK_UP, MEDIUM, REFUSE, CHAIN = (
     "starter:bus", "starter:industrial", "starter:small", "starter:truck", "tandem-6x4",
     "pick-up-4x4", "medium-truck-4x2", "refuse-collector-6x2", "three-joint-chain",
 )  # fmt: skip
-MAIN = "drivelines.main"
+MAIN, SIX = "drivelines.main", "starter:6x4"
 STRONG = {"youngs_modulus_GPa": 210, "density_kg_m3": 7850, "yield_MPa": 900, "ultimate_MPa": 1000}
 
 
@@ -352,6 +352,21 @@ OTHERS = [
     (TANDEM, Slip({f"{MAIN}.axle.pinion.ahead_mm": 380, f"{MAIN}.axle.pinion.above_mm": 50},
                   "through_shaft")),
     (TANDEM, Slip({"drivelines.inter-axle.output_joint.above_mm": -105}, "through_shaft")),
+    # --- what stands on two axles of one bogie: a decimal moved, digits swapped, one lost
+    (SIX, Slip({"drivelines.inter-axle.points_mm.1": [640, 0, -5.5]}, "inter_axle_drop")),
+    (SIX, Slip({"drivelines.inter-axle.axle.pinion.above_mm": 5}, "inter_axle_drop")),
+    (SIX, Slip({"drivelines.inter-axle.gearbox_slope.side_deg": 2.3}, "through_slope")),
+    (SIX, Slip({"drivelines.inter-axle.points_mm.1": [1640, 0, -55]}, "axle_spacing")),
+    # --- a joint of constant velocity with a value of another key or another kind
+    (PICK_UP, Slip({f"{MAIN}.joints.1.bearing_Td_Nm": 4000}, "roller_rating")),
+    (PICK_UP, Slip({f"{MAIN}.joints.1.rated_angle_deg": 40}, "rated_angle")),
+    (PICK_UP, Slip({f"{MAIN}.joints.2.angle_max_deg": 40}, "angle_of_kind")),
+    # --- pounds for kilograms, digits of a diameter swapped, a friction that no spline has
+    (SIX, Slip({f"{MAIN}.shafts.0.yoke_mass_kg": [6.4, 7.7]}, "yoke_size")),
+    (SMALL, Slip({f"{SHAFT1}.tube": {"outer_mm": 106.1, "wall_mm": 3.2}}, "tube_digits")),
+    (SMALL, Slip({f"{SHAFT1}.tube": {"outer_mm": 110.6, "wall_mm": 3.2}}, "tube_digits")),
+    (SIX, Slip({f"{MAIN}.shafts.1.spline.friction": 0.04}, MEASURE)),
+    (PICK_UP, Slip({"gearbox.ratios": [4.31, 2.33, 1.44, 1.00, 0.97, 0.68]}, "gear_steps")),
 ]  # fmt: skip
 """Slips on other vehicles and on a machine."""
 
@@ -509,3 +524,9 @@ def test_warning_names_the_values_it_compares_with_their_lines():
     assert "(got 200); compared with driveline.shafts[1].spline.plunge_mm 5" in (
         warning.format_with_location("van.yaml")
     )
+
+
+@pytest.mark.parametrize("outer", [101.6, 100, 102, 110, 114.3, 120])
+def test_diameters_of_catalogues_and_round_ones_are_not_named(outer):
+    edits = {f"{SHAFT1}.tube": {"outer_mm": outer, "wall_mm": 3.2}}
+    assert "tube_digits" not in names_of(with_slip(SMALL, Slip(edits, "")))

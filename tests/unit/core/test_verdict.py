@@ -125,6 +125,8 @@ def test_lower_bound_never_passes(value, grade, margin):
     assert (least.grade, least.margin) == (grade, pytest.approx(margin))
     assert least.is_lower_bound
     assert replace(least, within=(10.0, 20.0)).best_possible_grade == "warn"
+    assert least.grade_as_exceeded == "fail"
+    assert check(value, UP).grade_as_exceeded == check(value, UP).grade
 
 
 def test_nan_never_passes():

@@ -58,8 +58,11 @@ def _hung_pairs(r: LineResponse) -> tuple[Part, ...]:
 def _on_rubber(r: LineResponse) -> FloatArray:
     """Return what rubber leaves of the clearances, (..., S, parts) m; nan if unknown."""
     worst, parts = r.mount_loads.worst_obstacle_clearance, len(_hung_pairs(r))
-    none = np.full((*r.joint_angles.shape[:-1], parts), np.nan)
-    return none if worst is None else -worst.results.reach
+    if worst is None:
+        return np.full((*r.joint_angles.shape[:-1], parts), np.nan)
+    left, at_stop = -worst.results.reach, r.mount_loads.stop_response
+    # A stop holds back what linear rubber lets go away from an obstacle.
+    return left if at_stop is None else np.minimum(left, -at_stop.reach)
 
 
 DECLARATIONS = (
@@ -152,8 +155,8 @@ DECLARATIONS = (
         source=SOURCE_DERIVED,
         validity="At the worst operating point of the state, steadily: passing a resonance quickly "
         "takes less. A distance is convex, so this is never more than what is left. Below 0 the "
-        "shaft hits what is in its way. The rubber goes on as it begins, beyond a stop too; "
-        "brackets and flanges that give are in it.",
+        "shaft hits what is in its way. Beyond a stop it is the lesser of what linear rubber and "
+        "the stop leave; brackets and flanges that give are in it.",
         compute=_on_rubber,
         find_worst_points=lambda r: r.mount_loads.worst_obstacle_clearance,
         has_resonance=True,

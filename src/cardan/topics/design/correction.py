@@ -126,8 +126,11 @@ def verdict_beyond_bounds(verdict: Verdict, of: Approval) -> Verdict:
 
 
 def exceeded_count(checks: Iterable[Check]) -> int:
-    """Return how many limits of lines fail, each counted once for its states and parts."""
-    return len({(c.quantity, c.line, c.limit) for c in checks if c.grade == "fail"})
+    """Return how many limits of lines fail, each counted once for its states and parts.
+
+    A lower bound counts as failing: nothing shows that its maximum holds.
+    """
+    return len({(c.quantity, c.line, c.limit) for c in checks if c.grade_as_exceeded == "fail"})
 
 
 def _limit_of_part(c: Check) -> LimitOfPart:
@@ -135,8 +138,8 @@ def _limit_of_part(c: Check) -> LimitOfPart:
 
 
 def _wrong(of: Approval) -> tuple[int, int]:
-    """Return how many checks fail, and how many warn."""
-    grades = [c.grade for c in of.checks]
+    """Return how many checks fail, lower bounds among them, and how many warn."""
+    grades = [c.grade_as_exceeded for c in of.checks]
     return grades.count("fail"), grades.count("warn")
 
 

@@ -405,27 +405,23 @@ def _smallest(
         try:
             response = _response(application_with_proposal(application, offer), offer.line)
             after = _after(response, problem)  # quick: it alone
-            if after is None or CHECK_GRADES.index(after.grade) >= CHECK_GRADES.index(
-                problem.grade
-            ):
+            if after is None or _place(after) >= _place(problem):
                 continue
             now = _worst(response)
         except DesignError:  # such a line cannot exist
             continue
         if _answered(before, offer) - _answered(now, offer):
             continue  # what was answered is not
-        worse = tuple(
-            c for c in now.values() if CHECK_GRADES.index(c.grade) > _grade_before(c, offer, before)
-        )
+        worse = tuple(c for c in now.values() if _place(c) > _grade_before(c, offer, before))
         found = Remedy(offer=offer, resolved_checks=((problem, after),), worsened_checks=worse)
         if after.grade == "pass" and not worse:
             return found
-        fails = next((c for c in worse if c.grade == "fail"), None)
+        fails = next((c for c in worse if c.grade_as_exceeded == "fail"), None)
         if fails:
             blocked = blocked or UnresolvedCheck(
                 check=problem, offer=offer, newly_failing_check=fails
             )
-        elif problem.grade == "fail":
+        elif problem.grade_as_exceeded == "fail":
             nearest = nearest or found
     return nearest or blocked or UnresolvedCheck(check=problem)
 
@@ -450,7 +446,12 @@ def _grade_before(of: Check, offer: PartProposal, before: WorstCheckByQuantitySt
         (number,) = offer.part_numbers
         part = replace(part, number=int(part.number) - (int(part.number) > number))
     was = before.get((of.quantity, of.state, str(part)))
-    return 0 if was is None else CHECK_GRADES.index(was.grade)
+    return 0 if was is None else _place(was)
+
+
+def _place(of: Check) -> int:
+    """Return the place of a check's grade, from best to worst; a lower bound counts as failing."""
+    return CHECK_GRADES.index(of.grade_as_exceeded)
 
 
 _NUMBERED_ALONG_LINE = ("shaft", "joint", "centre bearing", "clearance")

@@ -489,17 +489,26 @@ def test_better_verdict_ranks_before_lower_cost():
         ("fail", -2.03, ["fail", "fail", "warn"], False), ("fail", -2.03, ["fail", "fail"], True),
         ("fail", -2.03, ["fail", "fail", "warn", "warn"], False), ("warn", -0.4, ["warn"], True),
         ("fail", -1.5, ["fail", "fail", "fail"], False),
+        ("fail", -2.03, ["fail", "at least", "warn"], False),
     ],
 )  # fmt: skip
 def test_proposal_without_improvement_is_dropped(verdict, margin, grades, stands):
     """-203 % after -202 % was listed, for margin that it won where all passes.
 
-    And a shim that had 4 criteria exceeded after 3, for margin of the worst.
+    And a shim that had 4 criteria exceeded after 3, for margin of the worst. What is known as
+    "at least" some force is not less exceeded.
     """
 
     def approval(verdict, margin, grades):
         checks = [
-            SimpleNamespace(grade=g, is_lower_bound=False, quantity=k, line="x", limit=None)
+            SimpleNamespace(
+                grade={"at least": "warn"}.get(g, g),
+                grade_as_exceeded={"at least": "fail"}.get(g, g),
+                is_lower_bound=g == "at least",
+                quantity=k,
+                line="x",
+                limit=None,
+            )
             for k, g in enumerate(grades)
         ]
         return SimpleNamespace(verdict=verdict, smallest_margin=margin, checks=checks)
