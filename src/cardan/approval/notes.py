@@ -201,7 +201,8 @@ def _assumed_losses(responses: Iterable[LineResponse]) -> Iterator[TranslatableM
             continue
         force = QUANTITIES["centre_bearing_dynamic"].values(r)
         # Where rubber meets its stop another crest counts than that of linear rubber.
-        force = np.where(r.mount_loads.is_solved_at_stop, np.nan, force)
+        others = r.mount_loads.is_solved_at_stop | r.mount_loads.is_stuck("dynamic")
+        force = np.where(others, np.nan, force)
         if np.isnan(force).all():  # of a line of unknown speed, or that swings
             continue
         s, k = np.unravel_index(int(np.nanargmax(force)), force.shape)

@@ -57,15 +57,15 @@ class StuckForces:
         nan where friction never holds the spline.
     points
         Where they are largest.
-    travel : (S, n-2) m, by `STUCK_FORCE_KINDS`
-        Largest way across the shaft there of the bearing that is nearest to its stop, as a share.
+    travel_share : (S, n-2) 1, by `STUCK_FORCE_KINDS`
+        Largest way across the shaft there over that to the stop, of the bearing with the most.
     peak_parts : (S, n-2) N, of "static" and "dynamic"
         What the peak force consists of, beside unbalance.
     """
 
     forces: dict[str, FloatArray]
     points: dict[str, LineOperatingPoints]
-    travel: dict[str, FloatArray]
+    travel_share: dict[str, FloatArray]
     peak_parts: dict[str, FloatArray]
 
 
@@ -123,10 +123,11 @@ def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
             curve_index=np.broadcast_to(curve, speed.shape)[row, state],
             speed=asked.speed[row, state],
             torque=asked.torque[row, state],
+            is_spline_stuck=~never,
         )
         if kind == "peak":
             parts = {k: at(sizes[k], here) for k in ("static", "dynamic")}
-    return StuckForces(forces=forces, points=points, travel=shares, peak_parts=parts)
+    return StuckForces(forces=forces, points=points, travel_share=shares, peak_parts=parts)
 
 
 def _rows(mounts: LineOnMounts, held: MountedLine) -> PointRows:

@@ -139,6 +139,8 @@ def _force_rows(at: _Place, say: Translator) -> Iterator[Row]:
                 value = own[at.state, bearing]
             elif at.check.is_lower_bound:
                 value, least = loads.force_at_stop(name)[at.state, bearing], "≥ "
+            if held := loads.stuck_forces_of(force, at.state, bearing):
+                value = held.get(name, value)
             quantity = f"centre_bearing_{name}"
             symbol = QUANTITIES[quantity].symbol
             yield f"{say.name(quantity)} ({symbol})", f"{least}{say.number(float(value))} N"
