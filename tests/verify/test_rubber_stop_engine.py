@@ -27,20 +27,20 @@ STEPS, PERIODS = 300, 25
 def settled(frequency: float, ratio: float, start: Sequence[float]) -> np.ndarray:
     """Return places and speeds (2, steps) of the engine's mass in its last two periods."""
     import exudyn as exu
-    from exudyn import itemInterface as item
+    from exudyn import itemInterface
 
     mbs, W = exu.SystemContainer().AddSystem(), 2 * np.pi * frequency
     node = mbs.AddNode(
-        item.Node1D(
+        itemInterface.Node1D(
             referenceCoordinates=[0.0],
             initialCoordinates=[float(start[0])],
             initialVelocities=[float(start[1])],
         )
     )
-    mbs.AddObject(item.Mass1D(physicsMass=MASS, nodeNumber=node))
-    ground = mbs.AddNode(item.NodePointGround())
+    mbs.AddObject(itemInterface.Mass1D(physicsMass=MASS, nodeNumber=node))
+    ground = mbs.AddNode(itemInterface.NodePointGround())
     ends = [
-        mbs.AddMarker(item.MarkerNodeCoordinate(nodeNumber=n, coordinate=0))
+        mbs.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=n, coordinate=0))
         for n in (ground, node)
     ]
 
@@ -48,9 +48,11 @@ def settled(frequency: float, ratio: float, start: Sequence[float]) -> np.ndarra
         slope = STIFFNESS * (ratio if abs(x) > STOP else 1.0)
         return float(elastic(np.array(x), ratio)) + LOSS * slope / W * v
 
-    mbs.AddObject(item.CoordinateSpringDamper(markerNumbers=ends, springForceUserFunction=rubber))
+    mbs.AddObject(
+        itemInterface.CoordinateSpringDamper(markerNumbers=ends, springForceUserFunction=rubber)
+    )
     mbs.AddLoad(
-        item.LoadCoordinate(
+        itemInterface.LoadCoordinate(
             markerNumber=ends[1],
             load=1.0,
             loadUserFunction=lambda _system, t, _load: STEADY + SWING * np.cos(W * t),
@@ -59,7 +61,7 @@ def settled(frequency: float, ratio: float, start: Sequence[float]) -> np.ndarra
     kinds = exu.OutputVariableType.Coordinates, exu.OutputVariableType.Coordinates_t
     watched = [
         mbs.AddSensor(
-            item.SensorNode(
+            itemInterface.SensorNode(
                 nodeNumber=node, outputVariableType=kind, storeInternal=True, writeToFile=False
             )
         )

@@ -94,6 +94,7 @@ class Stuck(Swinging):
     deflected: np.ndarray
 
     def _join_spline(self, at, along):
+        del along
         self.mbs.CreateGenericJoint(
             itemNumbers=[self.sliding, self.tubes[-1]], position=list(at), constrainedAxes=[1] * 6
         )

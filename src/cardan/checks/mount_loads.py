@@ -327,9 +327,7 @@ class MountLoads:
             margin = np.where(self.is_solved_at_stop, 1.0, margin)
         if self.stuck_forces is None or not (stuck := self.is_stuck(name)).any():
             return margin
-        return np.where(
-            stuck, np.minimum(margin, 1 - self.stuck_forces.travel_share[name]), margin
-        )
+        return np.where(stuck, np.minimum(margin, 1 - self.stuck_forces.travel_share[name]), margin)
 
     @cached_property
     def _weight(self) -> FloatArray:

@@ -37,6 +37,9 @@ STUCK_FORCE_KINDS = ("dynamic", "peak")
 CAUGHT_SHARES = (-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75)
 """Of the compressions that the stroke reaches, at which the spline is caught."""
 
+LEAST_CAUGHT_SHARE = 0.02
+"""Of the slip force: a spline caught at less is as one caught without compression."""
+
 SPEED_COUNT = 48
 """Speeds at which a line is evaluated: the crest of a mode with loss 0.1 is met to 3 %."""
 
@@ -92,6 +95,7 @@ def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
     size = np.abs(line.torque)
     counts = (size >= LEAST_TORQUE_SHARE * size.max(axis=0)) & (slip > 0)
     counts = counts & np.isfinite(asked.torque) & (np.abs(caught) < slip)
+    counts &= (share == 0) | (np.abs(caught) > LEAST_CAUGHT_SHARE * slip)
     counts &= (np.linalg.norm(line.travel(rest), axis=-1) <= stop).all(-1)
     if not counts.any():
         return None
@@ -131,11 +135,16 @@ def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
 
 
 def _rows(mounts: LineOnMounts, held: MountedLine) -> PointRows:
-    """Return points (P, S): speeds about those at which order 2 meets a mode, each way."""
+    """Return points (P, S): speeds about those at which order 2 meets a mode, each way.
+
+    A rigid bearing's modes are far above what a line turns at.
+    """
     curves = mounts.torque_curves
     modes = held.natural_frequencies() / 2
     modes = np.broadcast_to(modes, (curves.max_speed.shape[-1], modes.shape[-1]))
-    low, high = SPEED_REACH[0] * modes.min(-1), SPEED_REACH[1] * modes.max(-1)
+    fastest = np.nan_to_num(curves.max_speed).max(axis=0)
+    high = np.minimum(SPEED_REACH[1] * modes.max(-1), np.maximum(fastest, 1e-3))
+    low = np.clip(SPEED_REACH[0] * modes.min(-1), high / 10, high)
     speeds = low * (high / low) ** np.linspace(0, 1, SPEED_COUNT)[:, None]
     ways = curves_by_direction(curves)
     curve = np.concatenate([strongest_curves(curves, of, speeds)[0] for of in ways])
@@ -225,9 +234,7 @@ class _LineAtPoints:
         """Return how far coordinates (..., P, S, N) take the bearings across, (..., n-2, 2) m."""
         return (self.held.bearing[..., :2, :] @ coordinates[..., None, :, None])[..., 0]
 
-    def stuck_motion(
-        self, caught: FloatArray, rest: FloatArray, counts: BoolArray
-    ) -> StuckMotion:
+    def stuck_motion(self, caught: FloatArray, rest: FloatArray, counts: BoolArray) -> StuckMotion:
         """Return motions (V, P, S, ...) of a spline caught at compressions (V, P, S) N.
 
         Cases (V, S) each way that the line is turned count at some speeds or at none.
@@ -280,7 +287,9 @@ class _LineAtPoints:
         more, P = motion.coordinates - free, motion.compression[..., None, None]
         backwards = (self.speed < 0)[..., None, None]
         dynamic = np.zeros(())
-        for k, (q, p) in enumerate(zip(_waves(more), _waves(motion.compression[..., None]), strict=True)):
+        for k, (q, p) in enumerate(
+            zip(_waves(more), _waves(motion.compression[..., None]), strict=True)
+        ):
             added = held.motion(q, np.sign(self.speed)).bearing_forces
             added = added + p[..., None] * self.by_compression
             added = np.where(backwards, np.conj(added), added)

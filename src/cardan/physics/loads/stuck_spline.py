@@ -32,7 +32,7 @@ COMPONENT_COUNT = 1 + 2 * HARMONIC_COUNT
 SAMPLES = 8 * HARMONIC_COUNT
 """Of the half turn, at which thrust and length are evaluated."""
 
-_ITERATIONS = 12
+_ITERATIONS = 8
 _LEAST_CHANGE_M = 1e-6
 """m, of any coordinate: Newton's method ends below it."""
 
@@ -118,11 +118,11 @@ def stiffness_of_orders(
         found[..., r, :, r, :], found[..., i, :, i, :] = D.real, D.real
         found[..., r, :, i, :], found[..., i, :, r, :] = -D.imag, D.imag
         if k < HARMONIC_COUNT:  # order by order: D q - S q_below - conj(S) q_above
-            R, I = r + 2, i + 2
-            found[..., R, :, r, :], found[..., R, :, i, :] = -Sr, Si
-            found[..., I, :, r, :], found[..., I, :, i, :] = -Si, -Sr
-            found[..., r, :, R, :], found[..., r, :, I, :] = -Sr, -Si
-            found[..., i, :, R, :], found[..., i, :, I, :] = Si, -Sr
+            real, imag = r + 2, i + 2
+            found[..., real, :, r, :], found[..., real, :, i, :] = -Sr, Si
+            found[..., imag, :, r, :], found[..., imag, :, i, :] = -Si, -Sr
+            found[..., r, :, real, :], found[..., r, :, imag, :] = -Sr, -Si
+            found[..., i, :, real, :], found[..., i, :, imag, :] = Si, -Sr
     return found
 
 
@@ -201,8 +201,9 @@ def _newton_step(
     tangent = np.zeros((cases, SAMPLES, size, size))
     tangent[..., :N, :N] = P[..., None] * G[:, None]
     tangent[..., :N, N] = tangent[..., N, :N] = unit[:, None, None] * slope
-    J = -(_PAIRS @ tangent.reshape(cases, SAMPLES, -1)).reshape(cases, M, M, size, size)
-    J = J.transpose(0, 1, 3, 2, 4).copy()
-    J[:, :, :N, :, :N] += line.linear[k, some]
-    step = np.linalg.solve(J.reshape(cases, M * size, -1), left.reshape(cases, -1, 1))
-    return step.reshape(X.shape)
+    slopes = (_PAIRS @ tangent.reshape(cases, SAMPLES, -1)).reshape(cases, M, M, size, size)
+    matrix = -slopes.transpose(0, 1, 3, 2, 4)
+    matrix[:, :, :N, :, :N] += line.linear[k, some]
+    flat = M * size
+    step = np.linalg.solve(matrix.reshape(cases, flat, flat), left.reshape(cases, flat, 1))
+    return step.reshape(X.shape).astype(float)

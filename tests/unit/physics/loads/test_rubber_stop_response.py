@@ -25,6 +25,7 @@ from cardan.physics.loads.rubber_stop_response import (
     stop_forces,
 )
 
+
 def integrated(frequencies: list[float], ratio: float) -> list[float]:
     """Return the largest elastic force at rising frequencies, the motion kept from one to next."""
 
