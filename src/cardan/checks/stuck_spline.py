@@ -95,6 +95,7 @@ def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
     size = np.abs(line.torque)
     counts = (size >= LEAST_TORQUE_SHARE * size.max(axis=0)) & (slip > 0)
     counts = counts & np.isfinite(asked.torque) & (np.abs(caught) < slip)
+    counts &= line.at_rest.is_stable & (caught < line.at_rest.critical)
     counts &= (share == 0) | (np.abs(caught) > LEAST_CAUGHT_SHARE * slip)
     counts &= (np.linalg.norm(line.travel(rest), axis=-1) <= stop).all(-1)
     if not counts.any():

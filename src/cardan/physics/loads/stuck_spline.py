@@ -32,7 +32,7 @@ COMPONENT_COUNT = 1 + 2 * HARMONIC_COUNT
 SAMPLES = 8 * HARMONIC_COUNT
 """Of the half turn, at which thrust and length are evaluated."""
 
-_ITERATIONS = 8
+_ITERATIONS = 20
 _LEAST_CHANGE_M = 1e-6
 """m, of any coordinate: Newton's method ends below it."""
 
@@ -170,7 +170,9 @@ def _solved(
     X, ok = start.copy(), np.zeros(len(start), dtype=bool)
     some = np.arange(len(start))
     for _ in range(_ITERATIONS):
-        step = _newton_step(line, k, X[some], some, unit[some])
+        with np.errstate(over="ignore", invalid="ignore"):  # where it diverges
+            step = _newton_step(line, k, X[some], some, unit[some])
+        step = np.nan_to_num(step, nan=1.0, posinf=1.0, neginf=1.0)
         X[some] -= step
         done = np.abs(step).max((1, 2)) < _LEAST_CHANGE_M
         ok[some[done]] = True
