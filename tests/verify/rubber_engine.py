@@ -154,12 +154,16 @@ class Swinging:
             cross = self._body(d[k], P[k], crosses[k], **SMALL)
             self._hinge(ahead[k], cross, P[k], driving)
             self._hinge(cross, behind[k], P[k], driven)
-        self.mbs.CreatePrismaticJoint(
-            itemNumbers=[sliding, tubes[-1]], position=list(P[-1]), axis=list(d[-2])
-        )
+        self._join_spline(P[-1], d[-2])
         self._spins = spins
         self._yoke = pins[0][0], np.cross(d[0], pins[0][0])
         self._flange = self._watched("Body", "RotationMatrix", bodyNumber=flange)
+
+    def _join_spline(self, at: np.ndarray, along: np.ndarray) -> None:
+        """Let the front end of the last shaft slide along its tube."""
+        self.mbs.CreatePrismaticJoint(
+            itemNumbers=[self.sliding, self.tubes[-1]], position=list(at), axis=list(along)
+        )
 
     def _twisting(
         self, body: Any, inside: Any, at: Any, along: Any, spin: Any, *, stiffness: float,

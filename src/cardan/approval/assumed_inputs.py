@@ -112,7 +112,12 @@ def _widened(
     *,
     only_worse: bool,
 ) -> Check:
-    """Return a check with its range, if its verdict turns within it."""
+    """Return a check with its range, if its verdict turns within it.
+
+    Ranges of forces are those of a spline that slides: one with it stuck has none.
+    """
+    if c.point and c.point.is_spline_stuck:
+        return c
     for place, question in base.items():
         if place not in ends or question.limit != c.limit or c.part not in question.parts:
             continue

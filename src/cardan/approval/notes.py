@@ -202,9 +202,12 @@ def _assumed_losses(responses: Iterable[LineResponse]) -> Iterator[TranslatableM
         force, is_bound = QUANTITIES["centre_bearing_dynamic"].values_and_bounds(r)
         if np.isnan(force).all():  # of a line of unknown speed, or that swings
             continue
-        # Where rubber meets its stop another crest counts than that of linear rubber.
-        force = np.where(r.mount_loads.is_solved_at_stop | is_bound, np.nan, force)
+        # Where rubber meets its stop, or a spline sticks, another crest counts.
+        at_stop = r.mount_loads.is_solved_at_stop | is_bound
+        force = np.where(at_stop | r.mount_loads.is_stuck("dynamic"), np.nan, force)
         if np.isnan(force).all():
+            if not at_stop.any():
+                continue
             yield translatable_message(
                 "the rubber's loss factor {factor} is assumed, and forces of line {line} at its "
                 "stop depend on it: give loss_factor",

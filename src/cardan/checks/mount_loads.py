@@ -17,6 +17,7 @@ from cardan.checks.line_on_mounts import LineOnMounts
 from cardan.checks.operating_point_results import OperatingPointResults
 from cardan.checks.rigid_line_loads import RigidLineLoads
 from cardan.checks.rubber_at_stop import StopResponse, stop_response
+from cardan.checks.stuck_spline import STUCK_FORCE_KINDS, StuckForces, stuck_forces
 from cardan.core.arrays import BoolArray, FloatArray, stack_on_last_axis
 from cardan.core.labels import OrderCrossing
 from cardan.core.lazy_dataclass import dataclass
@@ -27,6 +28,9 @@ from cardan.physics.loads.rubber_stop_response import STOP_STIFFNESS_RANGE
 from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.operating_points import LineOperatingPoints
 from cardan.physics.vehicle.state_demand import LineStateDemand
+
+LEAST_STUCK_EXCESS = 0.01
+"""By which a force with the spline stuck must exceed that with it sliding to count instead."""
 
 NEAR_STOP_SHARE = 0.95
 """Share of the force at a stop below which no travel is sought: less than any bearing needs."""
@@ -161,8 +165,16 @@ class MountLoads:
         """Return one of `FORCE_KINDS` on each bearing at least, where a stop is met, (..., n-2) N.
 
         `bound_of_linear_rubber`, or what is solved of the line there, as without thrust, if that is
-        larger. Where all of it is solved it is `evaluated_force`.
+        larger. Where all of it is solved it is `evaluated_force`. With the spline stuck, if that
+        is more.
         """
+        sliding = self._sliding_force_at_stop(name)
+        if self.stuck_forces is None or name not in STUCK_FORCE_KINDS:
+            return sliding
+        return np.where(self.is_stuck(name), self.stuck_forces.forces[name], sliding)
+
+    def _sliding_force_at_stop(self, name: str) -> FloatArray:
+        """Return `force_at_stop` of a line whose spline slides."""
         least, solved = self.bound_of_linear_rubber(name), self.stop_response
         if solved is None:
             return least
@@ -185,7 +197,7 @@ class MountLoads:
 
     def crest_over_linear(self, name: str) -> FloatArray:
         """Return one of `FORCE_KINDS` over what linear rubber says of it, (S, n-2) 1."""
-        if self.stop_response is None:
+        if self.stop_response is None and not self.is_stuck(name).any():
             return np.ones((1, 1))
         linear = self.bound_of_linear_rubber(name)
         return self.force_at_stop(name) / np.where(linear > 0, linear, np.inf)
@@ -241,32 +253,81 @@ class MountLoads:
     def evaluated_force(self, name: str) -> FloatArray:
         """Return one of `FORCE_KINDS` on each bearing where it is largest, (..., n-2) N.
 
-        `bearing_force`; in a state in which rubber meets its stop, where it is solved, with it.
+        `bearing_force`; in a state in which rubber meets its stop, where it is solved, with it;
+        with the spline stuck, if that is more.
         """
-        linear, solved = self.bearing_force(name), self.stop_response
-        if solved is None:
-            return linear
-        return np.where(solved.is_solved[:, None], solved.force(name), linear)
+        found, solved = self.bearing_force(name), self.stop_response
+        if solved is not None:
+            found = np.where(solved.is_solved[:, None], solved.force(name), found)
+        if self.stuck_forces is None or name not in STUCK_FORCE_KINDS:
+            return found
+        return np.where(self.is_stuck(name), self.stuck_forces.forces[name], found)
+
+    @cached_property
+    def stuck_forces(self) -> StuckForces | None:
+        """What bearings carry while friction holds the spline; None where it is not evaluated.
+
+        Of one design. Of many it is too dear: their forces are those of a spline that slides.
+        """
+        many = self.mounts.torque_curves.max_speed.ndim > 2
+        if many or self.mounts.inputs.layout.points.ndim > 3:
+            return None
+        if not self.worst_bearing_forces:
+            return None
+        return stuck_forces(self.mounts, self.rubber_stop_travel.reshape(-1))
+
+    def is_stuck(self, name: str) -> BoolArray:
+        """Return where one of `FORCE_KINDS` is largest with the spline stuck, (S, n-2)."""
+        if name not in self._is_stuck:
+            found = np.zeros((1, 1), dtype=bool)
+            if self.stuck_forces is not None and name in STUCK_FORCE_KINDS:
+                sliding = (1 + LEAST_STUCK_EXCESS) * self._sliding_force_at_stop(name)
+                found = np.nan_to_num(self.stuck_forces.forces[name]) > sliding
+            self._is_stuck[name] = found
+        return self._is_stuck[name]
+
+    def stuck_forces_of(self, name: str, state: int, bearing: int) -> dict[str, float]:
+        """Return what a force consists of, N by kind, where it is largest with the spline stuck."""
+        found, stuck = self.stuck_forces, self.is_stuck(name)
+        if found is None or not np.broadcast_to(stuck, found.forces["peak"].shape)[state, bearing]:
+            return {}
+        each = found.peak_parts if name == "peak" else {name: found.forces[name]}
+        return {kind: float(values[state, bearing]) for kind, values in each.items()}
+
+    @cached_property
+    def _is_stuck(self) -> dict[str, BoolArray]:
+        """Those that were evaluated, by name."""
+        return {}
 
     def points_of_evaluated_force(self, name: str) -> LineOperatingPoints | None:
         """Return the points (..., S, n-2) of `evaluated_force`; None where a line has none."""
-        linear, solved = self.worst_bearing_forces.get(name), self.stop_response
-        if linear is None or solved is None:
-            return linear
-        own, of = solved.points[name], solved.is_solved[:, None]
-        return LineOperatingPoints(
-            curves=linear.curves,
-            curve_index=np.where(of, own.curve_index, linear.curve_index),
-            speed=np.where(of, own.speed, linear.speed),
-            torque=np.where(of, own.torque, linear.torque),
-        )
+        found, solved = self.worst_bearing_forces.get(name), self.stop_response
+        if found is None:
+            return None
+        others = [] if solved is None else [(solved.points[name], solved.is_solved[:, None])]
+        if self.stuck_forces is not None and self.is_stuck(name).any():
+            others.append((self.stuck_forces.points[name], self.is_stuck(name)))
+        for own, of in others:
+            found = LineOperatingPoints(
+                curves=found.curves,
+                curve_index=np.where(of, own.curve_index, found.curve_index),
+                speed=np.where(of, own.speed, found.speed),
+                torque=np.where(of, own.torque, found.torque),
+                is_spline_stuck=np.broadcast_to(self.is_stuck(name), found.speed.shape),
+            )
+        return found
 
-    def force_validity_margin(self, kind: Literal["static", "peak"]) -> FloatArray:
-        """Return `stop_margin` where forces are not solved with the stop, else 1."""
-        margin = self.stop_margin(kind)
-        return (
-            margin if self.stop_response is None else np.where(self.is_solved_at_stop, 1.0, margin)
-        )
+    def force_validity_margin(self, name: str) -> FloatArray:
+        """Return `stop_margin` where one of `FORCE_KINDS` is not solved with the stop, else 1.
+
+        Of a force with the spline stuck, where its motion goes beyond a stop, what that leaves.
+        """
+        margin = self.stop_margin("static" if name == "static" else "peak")
+        if self.stop_response is not None:
+            margin = np.where(self.is_solved_at_stop, 1.0, margin)
+        if self.stuck_forces is None or not (stuck := self.is_stuck(name)).any():
+            return margin
+        return np.where(stuck, np.minimum(margin, 1 - self.stuck_forces.travel_share[name]), margin)
 
     @cached_property
     def _weight(self) -> FloatArray:
@@ -327,6 +388,7 @@ class MountLoads:
         ]
         if self.mounts.mounted_line is None:
             return found
+        stuck = spots.is_spline_stuck
         orders = np.array([2, 1] if self.mounts.inputs.application.include_unbalance else [2])
         for part, (torque, speed) in enumerate(zip(spots.torque.T, spots.speed.T, strict=True)):
             modes = self.mounts.mounted_line.modes(torque=np.nan_to_num(torque))
@@ -335,7 +397,8 @@ class MountLoads:
             off = np.where(modes.not_excited, np.inf, off)
             for state in range(len(speed)):
                 order, k = np.unravel_index(off[:, state].argmin(), off[:, state].shape)
-                if off[order, state, k] <= modes.damping_ratio[state, k]:
+                held = stuck is not None and stuck[state, part]  # which has other modes
+                if off[order, state, k] <= modes.damping_ratio[state, k] and not held:
                     shape, frequency = modes.mode_names(state)[k], float(slow[state, k])
                     found[state][part] = OrderCrossing(shape, frequency, int(orders[order]))
         return found

@@ -64,12 +64,14 @@ class OperatingPoint:
     """An operating point of a line: torque and speed that it has together, SI.
 
     `direction` is `drive`, `coast`, `reverse` or `brake`; `gear` is "" where none gives the torque.
+    `is_spline_stuck` is whether friction holds its spline there.
     """
 
     gear: str
     direction: str
     speed: float
     torque: float
+    is_spline_stuck: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from cardan.approval.study import load_function
 from cardan.checks.line_response import LineResponse
 from cardan.checks.quantities.registry import LINE_QUANTITIES, QUANTITIES
 from cardan.checks.rubber_at_stop import FORCE_KINDS
+from cardan.checks.stuck_spline import STUCK_FORCE_KINDS
 from cardan.core.errors import FileIssue
 from cardan.core.labels import Part
 from cardan.core.units import deg, mm, rpm
@@ -213,6 +214,7 @@ def _mounted_bearing_json(r: LineResponse, s: int, k: int) -> dict[str, Any] | N
             **operating_point_json(goes),
         },
         **_at_stop_json(r, s, k),
+        **_spline_stuck_json(r, s, k),
         "modes": [] if modes is None else [
             {
                 "frequency_Hz": frequency / (2 * pi),
@@ -243,6 +245,20 @@ def _at_stop_json(r: LineResponse, s: int, k: int) -> dict[str, Any]:
             **({} if at is None else operating_point_json(at)),
         }
     }
+
+
+def _spline_stuck_json(r: LineResponse, s: int, k: int) -> dict[str, Any]:
+    """Return what a bearing carries with the spline stuck in a state, where that is most."""
+    loads, found = r.mount_loads, {}
+    for kind in STUCK_FORCE_KINDS:
+        own = loads.stuck_forces_of(kind, s, k)
+        if own and loads.stuck_forces is not None:
+            at = loads.stuck_forces.points[kind].operating_point((s, k))
+            found[kind] = {
+                "force_N": float(loads.stuck_forces.forces[kind][s, k]),
+                **({} if at is None else operating_point_json(at)),
+            }
+    return {"spline_stuck": found} if found else {}
 
 
 def _equivalent_angles_json(e: KinematicExcitation, s: int) -> dict[str, Any]:

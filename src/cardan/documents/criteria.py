@@ -150,6 +150,8 @@ def condition_texts(c: Check, say: Translator) -> tuple[str, ...]:
         return (state,)
     brief, operation = _operation_texts(c.point, say)
     brief, operation = say.join(state, brief), say.join(state, operation)
+    if c.point.is_spline_stuck:
+        return *(say.join(text, say("spline stuck")) for text in (operation, brief, state)), state
     if c.mode is None:
         return operation, brief, state
     mode = say("({mode} mode)", mode=say(c.mode.shape))

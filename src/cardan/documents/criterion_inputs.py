@@ -132,6 +132,7 @@ def _force_rows(at: _Place, say: Translator) -> Iterator[Row]:
     loads, bearing = at.own.mount_loads, int(at.check.part.number) - 1
     worst, solved = loads.worst_bearing_forces, loads.stop_response
     if force in worst:
+        stuck = loads.stuck_forces_of(force, at.state, bearing)
         for name in parts:
             value, least = getattr(worst[force].results, name)[at.state, bearing], ""
             if solved is not None and solved.is_solved[at.state]:
@@ -139,6 +140,8 @@ def _force_rows(at: _Place, say: Translator) -> Iterator[Row]:
                 value = own[at.state, bearing]
             elif at.check.is_lower_bound:
                 value, least = loads.force_at_stop(name)[at.state, bearing], "≥ "
+            if name in stuck:
+                value = stuck[name]
             quantity = f"centre_bearing_{name}"
             symbol = QUANTITIES[quantity].symbol
             yield f"{say.name(quantity)} ({symbol})", f"{least}{say.number(float(value))} N"

@@ -93,6 +93,7 @@ def operating_point_json(of: OperatingPoint) -> dict[str, Any]:
         "direction": of.direction,
         "speed_rpm": of.speed / rpm,
         "torque_Nm": of.torque,
+        **({"spline": "stuck"} if of.is_spline_stuck else {}),
     }
 
 

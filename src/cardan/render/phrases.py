@@ -153,6 +153,8 @@ def check_location(c: Check | UnevaluatedCheck, say: Translator, *, several: boo
     slips = declared_quantity(c.quantity).uses_engine_torque
     if isinstance(c, Check) and c.point and not (slips and c.point.direction == "drive"):
         told.append(f"{say.compact_number(c.point.torque, 4)} N·m")
+    if isinstance(c, Check) and c.point and c.point.is_spline_stuck:
+        told.append(say("spline stuck"))
     if isinstance(c, Check) and c.mode:
         told.append(say(
             "order {order} in resonance with the {mode} mode, {frequency} Hz", order=c.mode.order,

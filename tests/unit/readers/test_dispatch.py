@@ -232,7 +232,8 @@ def test_hdf5_whose_parts_are_damaged_is_rejected(tmp_path, monkeypatch):
     for error in (RuntimeError, KeyError, ValueError, TypeError):
 
         def broken(*_, error=error):
-            raise error("broken tree")
+            msg = "broken tree"
+            raise error(msg)
 
         monkeypatch.setattr(h5py.Group, "visititems", broken)
         refused(tmp_path / "a.h5", "damaged: .*broken tree")

@@ -31,13 +31,13 @@ from cardan.physics.loads.rubber_mount import MountedLine
 STOP_STIFFNESS_RANGE = (5.0, 20.0)
 """Stiffness of rubber beyond its stop over that before it: assumed where no file gives it."""
 
-STOP_ORDERS = (2, 4, 6, 8, 10, 12)
+STOP_ORDERS = (2, 4, 6, 8, 10, 12, 14, 16, 18, 20)
 """Orders of the motion apart from its mean: a stop's push has more of them than its motion."""
 
-SAMPLES = 40
+SAMPLES = 64
 """Of the half turn, at which a stop's force is evaluated."""
 
-FINE_SAMPLES = 96
+FINE_SAMPLES = 192
 """The same of a motion that is found."""
 
 _ITERATIONS = 6

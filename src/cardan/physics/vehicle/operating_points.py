@@ -157,12 +157,15 @@ class LineOperatingPoints:
         The curves, and which of them each point is on.
     speed, torque : rad/s, N m
         nan where a curve has no such point.
+    is_spline_stuck
+        Where friction holds the line's spline; None is nowhere.
     """
 
     curves: TorqueCurves
     curve_index: IntArray
     speed: FloatArray
     torque: FloatArray
+    is_spline_stuck: BoolArray | None = None
 
     @property
     def sense(self) -> FloatArray:
@@ -189,7 +192,11 @@ class LineOperatingPoints:
         if np.isnan(torque):
             return None
         return OperatingPoint(
-            self.curves.gears[curve], self.curves.directions[curve], speed, torque
+            self.curves.gears[curve],
+            self.curves.directions[curve],
+            speed,
+            torque,
+            is_spline_stuck=self.is_spline_stuck is not None and bool(self.is_spline_stuck[at]),
         )
 
     @property

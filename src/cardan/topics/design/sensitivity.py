@@ -441,9 +441,10 @@ def _made(
 
 
 def _crests(response: LineResponse) -> dict[str, FloatArray]:
-    """Return what forces at stops are over those of linear rubber, by quantity."""
+    """Return what forces at stops, or with the spline stuck, are over the others, by quantity."""
     loads = response.mount_loads
-    if not loads.is_solved_at_stop.any():
+    held = any(loads.is_stuck(kind).any() for kind in FORCE_KINDS)
+    if not loads.is_solved_at_stop.any() and not held:
         return {}
     return {f"centre_bearing_{kind}": loads.crest_over_linear(kind) for kind in FORCE_KINDS}
 
