@@ -41,7 +41,7 @@ def test_larger_force_with_spline_stuck_is_the_dynamic_force(collector):
     assert loads.is_stuck("dynamic")[REBOUND, 0]
     assert loads.evaluated_force("dynamic")[REBOUND, 0] == stuck[REBOUND, 0]
     assert stuck[REBOUND, 0] > 1.2 * loads.bearing_force("dynamic")[REBOUND, 0]
-    assert loads.evaluated_points("dynamic").operating_point((REBOUND, 0)).is_spline_stuck
+    assert loads.points_of_evaluated_force("dynamic").operating_point((REBOUND, 0)).is_spline_stuck
 
 
 def test_force_of_sliding_spline_counts_where_it_is_larger(collector):
@@ -53,7 +53,7 @@ def test_force_of_sliding_spline_counts_where_it_is_larger(collector):
         <= 1.01 * loads.evaluated_force(kind)[slides]
     ).all()  # fmt: skip
     state, bearing = np.argwhere(slides)[0]
-    point = loads.evaluated_points(kind).operating_point((int(state), int(bearing)))
+    point = loads.points_of_evaluated_force(kind).operating_point((int(state), int(bearing)))
     assert not point.is_spline_stuck
 
 

@@ -39,9 +39,11 @@ SPICER_ACCELERATION_FACTOR = 3.3403e-6
 PEAK_SEARCH_STARTS, PEAK_SEARCH_STEPS = 8, 5
 """Angles of half a turn to seek peaks from, at small phasors; steps that reach them."""
 
-MAX_HIGHER_HARMONIC_SHARE, THREE_HARMONIC_NEWTON_STEPS = 0.1, 2
-"""Share of the first sine that the others may bend by for two peaks next to its own; steps that
-reach those of three terms, each squaring what is left."""
+MAX_HIGHER_HARMONIC_SHARE = 0.1
+"""Share of the first sine that the others may bend by for two peaks next to its own."""
+
+THREE_HARMONIC_NEWTON_STEPS = 2
+"""Steps that reach the peaks of three terms, each squaring what is left."""
 
 PEAK_SEARCH_BLOCK_CASES = 2048
 """Cases whose peaks are sought at a time: more of them leave the processor's cache."""

@@ -19,6 +19,7 @@ from scipy.integrate import solve_ivp
 
 from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.rubber_stop_response import (
+    SAMPLES,
     STOP_ORDERS,
     StopContact,
     StoppedLine,
@@ -229,9 +230,9 @@ def test_receptance_at_stop_satisfies_the_equation_of_motion(speed):
 
     tied = np.zeros_like(moved)
     tied[:5] = moved[:5]
-    q, angle = round_the_half_turn(tied), np.pi / 40 * np.arange(40)
+    q, angle = round_the_half_turn(tied), np.pi / SAMPLES * np.arange(SAMPLES)
     swing = torque * (coupling * np.exp(2j * angle)[:, None, None]).real
-    ties = np.fft.fft((swing @ q[..., None])[..., 0], axis=0) / 40
+    ties = np.fft.fft((swing @ q[..., None])[..., 0], axis=0) / SAMPLES
     still = on.stiffness_under_torque(torque) - compression * on.geometric
     assert still @ moved[0] - ties[0].real == pytest.approx(pushed[0], rel=1e-9)
     for m in STOP_ORDERS:
