@@ -109,7 +109,7 @@ MAX_ROWS_OF_REPR, MAX_LINES_OF_REPR = 3, 6
 
 
 class Approval(approvals.Approval):
-    """The answer to an application: one verdict, and all that it stands on.
+    """Approval of an application: its verdict, with checks, data and notes.
 
     `verdict`, `checks`, `coverage` and `of(study)` are those of every approval.
     """
@@ -313,7 +313,7 @@ class Corrections(tuple[fixes.Correction, ...]):
 
 
 class Sizing(sizings.SizingResult):
-    """Other parts that would do: `remedies`, `unresolved` checks, and the `approval` with them."""
+    """Proposed parts: `remedies`, `unresolved` checks, and the `approval` with these parts."""
 
     def __repr__(self) -> str:
         return _first_lines(str(self))
@@ -330,7 +330,7 @@ class Sizing(sizings.SizingResult):
 
 
 class Sweep(VariantStudyResult):
-    """What variants come to: `yield_`, `interval()`, `shares`, and what else was requested.
+    """Results of a study of variants: `yield_`, `interval()`, `shares`, and what was requested.
 
     Where each variant was kept also `verdicts`, `margins`, `input_columns` and `limit_columns`.
     """
@@ -541,7 +541,7 @@ def stability(app: Application, **torsion: float) -> Approval:
 
 
 def bracket(app: Application) -> Approval:
-    """Judge the bracket of a centre bearing under the driveline's loads. Takes a while."""
+    """Evaluate the bracket of a centre bearing under the driveline's loads; takes minutes."""
     return _approve(app, BracketStudy())
 
 

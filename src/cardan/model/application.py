@@ -326,7 +326,7 @@ class ReportIdentification:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Application:
-    """Everything one approval is about."""
+    """An application: vehicle, lines, states and limits of one approval, in SI."""
 
     title: str
     lines: tuple[InstalledLine, ...]

@@ -96,6 +96,25 @@ def test_decay_of_examples_on_rubber_lies_in_stated_range():
     assert round(max(found)) <= high
 
 
+def travels(node):
+    """Yield each travel of a bearing on linear rubber, mm, in a part of a document."""
+    if isinstance(node, dict):
+        if "travel_mm" in (node.get("travel") or ()):
+            yield node["travel"]["travel_mm"]
+        node = list(node.values())
+    for item in node if isinstance(node, list) else ():
+        yield from travels(item)
+
+
+def test_travel_of_linear_rubber_lies_in_stated_range():
+    """Of the examples whose rubber would go beyond the stop that is assumed, 15 mm."""
+    (stated,) = re.findall(r"would move by (\d+) to (\d+) mm in the examples", page("method"))
+    documents = (golden(p.stem) for p in (ROOT / "tests/golden").glob("*.json"))
+    largest_of = [max(travels(d["states"]), default=0.0) for d in documents]
+    beyond = [travel for travel in largest_of if travel > 15]
+    assert [f"{min(beyond):.0f}", f"{max(beyond):.0f}"] == list(stated)
+
+
 @pytest.mark.parametrize("name", [*EFFECTS["PARTS"], *EFFECTS["EFFECTS"]])
 def test_change_of_effect_table_applies_to_its_examples(name):
     """Each pattern is in the file, and the text so changed is still YAML."""
