@@ -14,6 +14,13 @@ A check of one design and its corrections stay below: to import numba costs more
 """
 
 
+POINT_LOOP_CASE_FACTOR = 2.5
+"""How many times as many cases take loops that only place points and turn shafts.
+
+They save less than those of a line on rubber: batches of `fix`, of some 60 variants, and what a
+check varies number by number do not load a compiler for them, shards of a study do.
+"""
+
 _LOOPS_ARE_ALLOWED: ContextVar[bool] = ContextVar("loops_are_allowed", default=True)
 
 
@@ -27,7 +34,7 @@ def without_compiled_loops() -> Generator[None, None, None]:
         _LOOPS_ARE_ALLOWED.reset(before)
 
 
-def is_compiled_batch(cases: tuple[int, ...], *, points: int = 1) -> bool:
+def is_compiled_batch(cases: tuple[int, ...], *, points: float = 1) -> bool:
     """Return whether a batch is large enough for loops that numba compiles.
 
     `cases` are variants and states; or `points` of each too, all in one axis.

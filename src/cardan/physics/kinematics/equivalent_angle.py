@@ -26,7 +26,7 @@ from cardan.core.arrays import (
     array_library_and_floats,
     array_namespace,
 )
-from cardan.core.compiled import is_compiled_batch
+from cardan.core.compiled import POINT_LOOP_CASE_FACTOR, is_compiled_batch
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.units import deg, rpm
 from cardan.physics.kinematics.compiled_excitation import CrestKernel, crest_kernel
@@ -417,7 +417,9 @@ def _largest_sum(phasors: ComplexArray, weights: FloatArray) -> FloatArray:
     E = rows(phasors)
     J = weights[:, None] if weights.ndim == 1 else rows(weights)
     # Of points, variants and states: points of one design are too few to load a compiler for.
-    many = xp is np and len(cases) > 2 and is_compiled_batch(cases[-2:])
+    many = (
+        xp is np and len(cases) > 2 and is_compiled_batch(cases[-2:], points=POINT_LOOP_CASE_FACTOR)
+    )
     kernel = crest_kernel() if many else None
     found = [
         _crest(E[:, some], J if J.shape[-1] == 1 else J[:, some], kernel)

@@ -24,7 +24,7 @@ from cardan.core.arrays import (
     collapse_broadcast_axes,
     stack_on_last_axis,
 )
-from cardan.core.compiled import is_compiled_batch
+from cardan.core.compiled import POINT_LOOP_CASE_FACTOR, is_compiled_batch
 from cardan.core.labels import OperatingPoint
 from cardan.core.lazy_dataclass import dataclass
 from cardan.physics.vehicle.axle_motion import AxleMotion
@@ -235,7 +235,7 @@ def operating_points_on_curves(
 
     each = (found.speed, found.torque, found.torque_limit, found.max_speed)
     # Of points, variants and states: points of one design are too few to load a compiler for.
-    many = speed.ndim == 3 and is_compiled_batch(speed.shape[1:])
+    many = speed.ndim == 3 and is_compiled_batch(speed.shape[1:], points=POINT_LOOP_CASE_FACTOR)
     kernel = torque_kernel() if many else None
     if kernel is None:
         here = curve, *broadcastable_axis_indices(curve.shape)[1:]

@@ -10,7 +10,7 @@ from math import nan
 import numpy as np
 
 from cardan.core.arrays import ArrayLike, BoolArray, FloatArray, stack_on_last_axis
-from cardan.core.compiled import is_compiled_batch
+from cardan.core.compiled import POINT_LOOP_CASE_FACTOR, is_compiled_batch
 from cardan.core.errors import DesignError, values_of_first_violating_case
 from cardan.core.units import g, inch, mm
 from cardan.model.vehicle import Linkage, Spring, Suspension, SuspensionState
@@ -265,7 +265,11 @@ def squat_travel(
         highest = np.where(past, np.inf, np.maximum(stop - there, 0.0))
     shape = np.broadcast_shapes(z0.shape, start.shape, *map(np.shape, (moved, pulls, turns)))
     # Of points, variants and states: points of one design are too few to load a compiler for.
-    many = len(shape) > 2 and is_compiled_batch(shape[-2:]) and _is_one_link(suspension)
+    many = (
+        len(shape) > 2
+        and is_compiled_batch(shape[-2:], points=POINT_LOOP_CASE_FACTOR)
+        and _is_one_link(suspension)
+    )
     kernel = squat_kernel() if many else None
     if kernel is not None:
         turned = ahead * turns * suspension.linkage.pitch_rate

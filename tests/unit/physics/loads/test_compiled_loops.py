@@ -295,5 +295,11 @@ def test_check_of_one_design_imports_no_numba():
 def test_batch_of_few_cases_takes_no_loop():
     assert not compiled.is_compiled_batch((12, 7))
     assert compiled.is_compiled_batch((128, 7))
+    of_fix, of_study = (
+        compiled.is_compiled_batch((n, 7), points=compiled.POINT_LOOP_CASE_FACTOR)
+        for n in (63, 128)
+    )
+    assert of_study
+    assert not of_fix
     assert not compiled.is_compiled_batch((3, 15, 12, 7), points=PLACES_OF_A_STROKE)
     assert compiled.is_compiled_batch((3, 15, 128, 7), points=PLACES_OF_A_STROKE)
