@@ -354,7 +354,8 @@ class OptionTable:
     )
     joint_orders: str = option(
         "2,4",
-        help="Of 2, 4 and 6: where they run with others' is said. Theirs is sought at all of them.",
+        help="Orders of the joints that are sought, of 2, 4 and 6; other sources at these orders "
+        "are reported.",
     )
     engine: str | None = option(
         None,
