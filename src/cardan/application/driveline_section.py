@@ -275,7 +275,7 @@ class ShaftTable(Table):
         "a tube of a catalogue, or its sizes", default=None
     )
     phase: YokePhaseAngle = table_key_field(
-        "yoke phase: 0 aligned, 90 crossed; right-handed, rearward", default=0.0
+        "yoke phase: 0 in phase, 90 out of phase; right-handed, rearward", default=0.0
     )
     centre_bearing: Annotated[CentreBearing, CentreBearingTable] | None = table_key_field(
         "what the shaft hangs on; every shaft but the last needs one", default=None

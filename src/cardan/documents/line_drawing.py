@@ -507,9 +507,9 @@ def _phase_text(phase: float, say: Translator) -> str:
     """Return a phase in words, with its angle where it is an odd one."""
     turned = round(phase / deg, 6) % 180
     if turned in (0, 180):
-        return say("aligned (0 deg)")
+        return say("in phase (0°)")
     if turned == 90:
-        return say("crossed (90 deg)")
+        return say("90° out of phase")
     return say("turned {angle} deg", angle=say.compact_number(phase / deg, 4))
 
 

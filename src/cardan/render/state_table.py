@@ -143,7 +143,7 @@ def _quantity_rows(q: Quantity, r: LineResponse) -> Iterator[StateTableRow]:
         yield StateTableRow(
             quantity=q.key,
             values=exact[:, places].min(axis=-1),
-            bounds=bounds[:, places].any(axis=-1),
+            bounds=np.asarray(bounds[:, places].any(axis=-1)),
             part=part,
         )
         for name, by_method in others.items():

@@ -227,9 +227,9 @@ def contact_recommendation(
     hole = _STEP_BOLT_HOLE_DIAMETER if isinstance(shape, StepFileShape) else shape.bolt_diameter
     usual = Bolts(preload=default_bolt_preload(hole))
     yield say(
-        "Held the kinder of the two ways, sliding or clamped, the flange has another verdict, or a "
-        "life several times as long. In contact with the frame it has one answer, whose stress may "
-        "be {share} % lower at most: write `{key}` in `bracket`, with what your bolts have.",
+        "Held in the more favourable way, sliding or clamped, the flange has another verdict, or "
+        "a life several times as long. In contact with the frame it has one answer, whose stress "
+        "may be {share} % lower at most: write `{key}` in `bracket`, with what your bolts have.",
         share=f"{100 * (1 - MIN_CONTACT_TO_COMPUTED_STRESS_RATIO):.0f}",
         key=f"bolts: {{preload_kN: {usual.preload / kN:.2g}, friction: {usual.friction}}}",
     )  # fmt: skip

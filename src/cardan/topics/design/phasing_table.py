@@ -51,8 +51,8 @@ def yoke_phase_name(phase: Radian, say: Translator) -> str:
     """Return how a shaft's yokes stand to each other."""
     turned = round(phase / deg, 6) % 180
     if turned == 0:
-        return say("aligned")
-    return say("crossed") if turned == 90 else f"{say.compact_number(phase / deg)} deg"
+        return say("in phase")
+    return say("90° out of phase") if turned == 90 else f"{say.compact_number(phase / deg)} deg"
 
 
 def json_document(r: LineResponse) -> list[dict[str, Any]]:

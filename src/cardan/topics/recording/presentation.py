@@ -66,6 +66,9 @@ MIN_REPORTED_FREEZE_DAMAGE_CHANGE = 0.01
 MAX_REPORTED_VALID_SHARE = 0.9999
 """Share of the time with valid data from which a gauge counts as wholly valid."""
 
+MAX_REPORTED_LIFE_RATIO = 1000
+"""1, of lives: a larger ratio says nothing that this number does not."""
+
 
 def progress_text(doing: str, say: Translator) -> str:
     """Return what a study does, and how far its pass is; behind a whole one it is thought over."""
@@ -458,7 +461,12 @@ def joint_verdict_sentence(
     if not whole > 0:
         return say("{gauge}: no damage, hence no cause.", gauge=gauge)
     longer = whole / without if without > 0 else math.inf
-    share, times = say.percentage(attribution.share(CAUSE_JOINTS), 1), say.compact_number(longer, 3)
+    share = say.percentage(attribution.share(CAUSE_JOINTS), 1)
+    times = (
+        f"> {MAX_REPORTED_LIFE_RATIO}"
+        if longer > MAX_REPORTED_LIFE_RATIO
+        else say.compact_number(longer, 3)
+    )
     own = (
         say(
             "the joints' orders answer for {share} of the damage; without them it would live as "
