@@ -357,8 +357,8 @@ class OptionTable:
     )
     joint_orders: str = option(
         "2,4",
-        help="Orders of the joints that are sought, of 2, 4 and 6; other sources at these orders "
-        "are reported.",
+        help="Joint orders to compare with those of other sources (of 2, 4, 6); the joints' own "
+        "part is sought at all three.",
     )
     engine: str | None = option(
         None,
