@@ -313,7 +313,7 @@ class Corrections(tuple[fixes.Correction, ...]):
 
 
 class Sizing(sizings.SizingResult):
-    """Other parts that would do: `remedies`, `unresolved` checks, and the `approval` with them."""
+    """Other parts that would do: `remedies`, checks that stay, and the `approval` with them."""
 
     def __repr__(self) -> str:
         return _first_lines(str(self))
