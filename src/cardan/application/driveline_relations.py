@@ -235,10 +235,8 @@ def compare_tubes_alike(of: RelationContext) -> ComparedValues:
 def compare_yoke_size(of: RelationContext) -> ComparedValues:
     """Mass of a shaft's heavier yoke over the peak torque of its joint, kg per kN m."""
     for line in of.lines:
-        joints = line.installed.line.joints
         for k, (at, shaft, _) in enumerate(line.shafts, 1):
-            peaks = [j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross"]
-            known = [p for p in peaks if p]
+            known = _peak_torques_of_crosses(line, k)
             value = ratio(max(shaft.yoke_mass) or None, max(known, default=nan) / 1e3)
             yield ComparedValue((f"{at}.yoke_mass",), value, (f"{line.at}.joints",))
 
@@ -477,34 +475,40 @@ def compare_speed_angle_product(of: RelationContext) -> ComparedValues:
                 yield ComparedValue((f"{at}.n_beta_max", f"{line.at}.joints"), value, against)
 
 
+def _peak_torques_of_crosses(line: LineContext, shaft: int) -> list[float]:
+    """Return the known peak torques, N m, of the crosses at both ends of a shaft, from 1."""
+    ends = line.installed.line.joints[shaft - 1 : shaft + 1]
+    return [j.peak_torque for j in ends if j and j.kind == "cross" and j.peak_torque]
+
+
+def _tubes_with_crosses(
+    of: RelationContext,
+) -> Iterator[tuple[tuple[str, str], str, Tube, list[float]]]:
+    """Yield each tube between crosses of known peak torques: their keys, its shaft's, it, they."""
+    for line in of.lines:
+        for k, (at, shaft, _) in enumerate(line.shafts, 1):
+            peaks = _peak_torques_of_crosses(line, k)
+            if peaks and isinstance(shaft.tube, Tube):
+                yield (f"{line.at}.joints[{k}]", f"{line.at}.joints"), at, shaft.tube, peaks
+
+
 def compare_joint_over_tube(of: RelationContext) -> ComparedValues:
     """Peak torque of a shaft's smaller cross over the torque at which its tube yields.
 
     Tubes yield in shear at 1/sqrt(3) of their yield strength, after von Mises.
     """
-    for line in of.lines:
-        joints = line.installed.line.joints
-        for k, (at, shaft, _) in enumerate(line.shafts, 1):
-            known = [j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross"]
-            peaks = [p for p in known if p]
-            if peaks and isinstance(shaft.tube, Tube) and shaft.tube.material.yield_strength:
-                shear = shaft.tube.material.yield_strength / 3**0.5
-                holds = shear * 4 * shaft.tube.second_moment / shaft.tube.outer
-                keys = f"{line.at}.joints[{k}]", f"{line.at}.joints"
-                yield ComparedValue(keys, min(peaks) / holds, (f"{at}.tube",))
+    for keys, at, tube, peaks in _tubes_with_crosses(of):
+        if tube.material.yield_strength:
+            shear = tube.material.yield_strength / 3**0.5
+            holds = shear * 4 * tube.second_moment / tube.outer
+            yield ComparedValue(keys, min(peaks) / holds, (f"{at}.tube",))
 
 
 def compare_tube_at_joint_peak(of: RelationContext) -> ComparedValues:
     """Shear in a tube at the peak torque of its joints, MPa."""
-    for line in of.lines:
-        joints = line.installed.line.joints
-        for k, (at, shaft, _) in enumerate(line.shafts, 1):
-            peaks = [j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross"]
-            known = [p for p in peaks if p]
-            if known and isinstance(shaft.tube, Tube):
-                stress = min(known) * shaft.tube.outer / 4 / shaft.tube.second_moment
-                keys = f"{line.at}.joints[{k}]", f"{line.at}.joints"
-                yield ComparedValue(keys, stress / MPa, (f"{at}.tube",))
+    for keys, at, tube, peaks in _tubes_with_crosses(of):
+        stress = min(peaks) * tube.outer / 4 / tube.second_moment
+        yield ComparedValue(keys, stress / MPa, (f"{at}.tube",))
 
 
 def compare_tube_for_joint(of: RelationContext) -> ComparedValues:
@@ -512,14 +516,9 @@ def compare_tube_for_joint(of: RelationContext) -> ComparedValues:
 
     Shear at the peak torque is alike in tubes of one shape if their diameters keep to that root.
     """
-    for line in of.lines:
-        joints = line.installed.line.joints
-        for k, (at, shaft, _) in enumerate(line.shafts, 1):
-            peaks = [j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross"]
-            if isinstance(shaft.tube, Tube) and any(peaks):
-                value = _diameter_for_torque(shaft.tube, max(p for p in peaks if p))
-                keys = f"{at}.tube.outer", f"{at}.tube"
-                yield ComparedValue(keys, value, (f"{line.at}.joints[{k}]", f"{line.at}.joints"))
+    for joints, at, tube, peaks in _tubes_with_crosses(of):
+        value = _diameter_for_torque(tube, max(peaks))
+        yield ComparedValue((f"{at}.tube.outer", f"{at}.tube"), value, joints)
 
 
 def compare_tube_for_torque(of: RelationContext) -> ComparedValues:
@@ -528,12 +527,11 @@ def compare_tube_for_torque(of: RelationContext) -> ComparedValues:
     Of shafts without a cross that has a peak torque.
     """
     for line in of.lines:
-        joints = line.installed.line.joints
         share = line.installed.torque_ratio * line.installed.torque_share
         given = of.application.torque
         torque = share * of.application.shock_factor * (given or of.largest_torque)
         for k, (at, shaft, _) in enumerate(line.shafts, 1):
-            rated = any(j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross")
+            rated = bool(_peak_torques_of_crosses(line, k))
             if isinstance(shaft.tube, Tube) and torque and not rated:
                 tube = f"{at}.tube.outer", f"{at}.tube"
                 keys, against = (tube, ("engine.torque",)) if given is None else (("torque",), tube)
@@ -557,15 +555,8 @@ def compare_tube_shear(of: RelationContext) -> ComparedValues:
 
 def compare_published_joint(of: RelationContext) -> ComparedValues:
     """Peak torque of a shaft's larger joint over that of the joint a maker prints with its tube."""
-    for line in of.lines:
-        joints = line.installed.line.joints
-        for k, (at, shaft, _) in enumerate(line.shafts, 1):
-            peaks = [j.peak_torque for j in joints[k - 1 : k + 1] if j and j.kind == "cross"]
-            known = [p for p in peaks if p]
-            if known and isinstance(shaft.tube, Tube):
-                value = ratio(max(known), _published_peak(shaft.tube))
-                keys = f"{line.at}.joints[{k}]", f"{line.at}.joints"
-                yield ComparedValue(keys, value, (f"{at}.tube",))
+    for keys, at, tube, peaks in _tubes_with_crosses(of):
+        yield ComparedValue(keys, ratio(max(peaks), _published_peak(tube)), (f"{at}.tube",))
 
 
 def _published_peak(tube: Tube) -> float | None:

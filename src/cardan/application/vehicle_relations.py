@@ -227,21 +227,20 @@ def _pinion_heights(of: RelationContext, *, several: bool) -> ComparedValues:
 
 def compare_output_behind(of: RelationContext) -> ComparedValues:
     """Distance of joint 1 behind the wheels of the axle it leaves, in tyre radii."""
-    for line in of.lines:
-        joint, tyre = line.installed.output_joint, of.application.tyre
-        if joint and tyre:
-            keys = f"{line.at}.output_joint.behind", f"{line.at}.output_joint.ahead"
-            value = joint[0] / tyre.static_radius
-            yield ComparedValue(keys, value, ("tyre.static_radius",))
+    yield from _output_joints(of, 0, ("behind", "ahead"))
 
 
 def compare_output_height(of: RelationContext) -> ComparedValues:
     """Height of joint 1 above the wheels of the axle it leaves, in tyre radii."""
+    yield from _output_joints(of, 1, ("above", "below"))
+
+
+def _output_joints(of: RelationContext, axis: int, ways: tuple[str, str]) -> ComparedValues:
     for line in of.lines:
         joint, tyre = line.installed.output_joint, of.application.tyre
         if joint and tyre:
-            keys = f"{line.at}.output_joint.above", f"{line.at}.output_joint.below"
-            value = joint[1] / tyre.static_radius
+            keys = tuple(f"{line.at}.output_joint.{way}" for way in ways)
+            value = joint[axis] / tyre.static_radius
             yield ComparedValue(keys, value, ("tyre.static_radius",))
 
 

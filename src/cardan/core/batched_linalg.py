@@ -2,7 +2,7 @@
 
 LAPACK takes small matrices one by one. Here each step of the algebra runs over all cases at
 once, which lie side by side in memory: several times as fast, as long as they fit the cache
-(`stretches`). Few cases are LAPACK's: a step costs what a hundred of its equations do.
+(`cache_blocks`). Few cases are LAPACK's: a step costs what a hundred of its equations do.
 """
 
 from collections.abc import Iterator, Sequence

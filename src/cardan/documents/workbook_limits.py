@@ -236,7 +236,7 @@ class LimitSheet:
             else:
                 sheet.write_number(row - 1, k, bound / factor, self.book.input)
         sheet.write_comment(row - 1, 2, citation(limit.source, self.say), {"x_scale": 3})
-        self.book.note_original_bounds(
+        self.book.remember_original_bounds(
             f"{self.sheet.name}: {label}", f"'{self.sheet.name}'!$C${row}:$D${row}", tuple(cells)
         )
 

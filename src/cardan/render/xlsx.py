@@ -162,7 +162,7 @@ class WorkbookWriter:
             self.names.add(name.casefold())
             self.file.define_name(name, f"={place}")
 
-    def note_original_bounds(
+    def remember_original_bounds(
         self, label: str, cell_range: str, cells: tuple[CellValue, ...]
     ) -> None:
         """Remember the bounds of a limit as they are written."""

@@ -174,7 +174,7 @@ class WorkerQueues(NamedTuple):
     jobs: WorkerQueue
     """Jobs. It starts once a page has its verdict."""
     view_jobs: WorkerQueue
-    """What a view shows by itself, files listed or held side by side. It starts after `work`."""
+    """What a view shows by itself, files listed or held side by side. It starts after the jobs."""
 
 
 class LatestOnlyQueue:

@@ -11,6 +11,7 @@ from cardan.approval.driveline_study import line_checks, unevaluated_line_checks
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.core.units import MPa
 from cardan.core.verdict import Limit
+from cardan.physics.strength.torsional_strength import tube_buckling_torque
 from cardan.physics.vehicle.resolved_line import resolve_line_references
 from cardan.physics.vehicle.state_demand import line_state_demand
 
@@ -61,3 +62,39 @@ def test_tube_fatigue_is_not_evaluated_without_endurance_of_material():
     silent = [u for u in unevaluated_line_checks(response) if u.limit is LIMIT]
     missing = {m for u in silent for m in u.missing_inputs}
     assert missing == {"a tube material with its fatigue_shear_MPa"}
+
+
+def test_torque_round_the_turn_keeps_the_power_that_the_shafts_inertia_takes():
+    """At constant gearbox speed: T₀ ω = Tₙ ωₙ + Σ J α ω of the shafts, at every instant."""
+    r = response_with_material()
+    turned = r.inputs.turned(r.inputs.demand.torque, samples=64)
+    torque = r.rigid_loads.joint_loads_with_inertia[0].torques.values(64)[:, -1, :, 0]
+    w, given = (np.nan_to_num(v)[:, None] for v in (r.demand.speed, r.demand.torque))
+    taken = w**2 * np.einsum(
+        "k,skt->st", r.inputs.shaft_inertias, (turned.acceleration * turned.speed)[:, :-1]
+    )
+    assert torque * turned.speed[:, -1] == pytest.approx(given - taken, rel=1e-9)
+    assert np.abs(taken).max() > 5
+
+
+def test_sizing_torque_at_joint_1_is_the_larger_of_state_and_engine_with_shocks():
+    r = response_with_material()
+    demand = r.demand
+    expected = np.fmax(demand.engine_torque, np.abs(demand.torque)) * r.application.shock_factor
+    braked = [kind == "windup brake" for kind in r.inputs.state_kinds]
+    assert r.strength.sizing_torque[~np.array(braked), 0] == pytest.approx(
+        expected[~np.array(braked)], rel=1e-12
+    )
+
+
+def test_buckling_utilisation_is_torque_with_shocks_over_what_buckles_the_wall():
+    r = response_with_material()
+    lengths = r.demand.installed.layout.lengths
+    for k, shaft in enumerate(r.line.shafts):
+        tube = shaft.tube
+        held = tube_buckling_torque(
+            outer=tube.outer, inner=tube.inner, modulus=tube.material.youngs_modulus,
+            poisson=tube.material.poisson, length=lengths[k],
+        )  # fmt: skip
+        expected = np.abs(r.demand.torque) * r.application.shock_factor / held
+        assert r.strength.tube_buckling_utilisation[:, k] == pytest.approx(expected, rel=1e-12)

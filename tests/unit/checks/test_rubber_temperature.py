@@ -8,9 +8,14 @@ import pytest
 from cardan.application import reader
 from cardan.approval.approval import approve_driveline
 from cardan.approval.assumed_inputs import checks_with_assumed_ranges
-from cardan.checks.rubber_stiffness import results_with_rubber_stiffness
+from cardan.checks.rubber_stiffness import (
+    results_with_rubber_stiffness,
+    rows_moved_with_modes,
+    with_rubber_stiffness,
+)
 from cardan.core.errors import InvalidFileError
 from cardan.core.verdict import AssumedRange
+from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.render.i18n import Translator
 from cardan.render.phrases import check_location
 
@@ -118,3 +123,19 @@ def test_rigid_bearing_has_no_range():
     text = text.replace("       lateral_stiffness_N_mm: LATERAL, loss_factor: 0.1RANGE}}\n", "")
     with pytest.raises(InvalidFileError, match="what is rigid has no range"):
         reader.loads(text)
+
+
+def test_worst_speed_moves_with_the_mode_that_order_2_meets(monkeypatch):
+    """Of modes at 1, 2 and 6 times the speed that at twice: stiffer rubber takes it 5 % up."""
+    (r,) = approved().line_responses
+    other, worst = with_rubber_stiffness(r, [2.0]), r.mount_loads.worst_bearing_forces["dynamic"]
+    own, speed = r.mounts.mounted_line, float(worst.speed[0, 0])
+
+    def modes(line, torque):
+        factors = [1.0, 2.0, 6.0] if line is own else [1.1, 2.1, 6.0]
+        return np.broadcast_to(speed * np.array(factors), (*np.shape(torque), 3))
+
+    assert other.mounts.mounted_line is not own
+    monkeypatch.setattr(MountedLine, "natural_frequencies", modes)
+    _, speeds = rows_moved_with_modes(r, other, worst)
+    assert sorted(set(speeds[:, 0, 0].round(6))) == pytest.approx([speed, 1.05 * speed], rel=1e-6)

@@ -44,7 +44,7 @@ _PATCH = 12
 
 @dataclass(frozen=True)
 class ElasticSolid:
-    """An elastic solid held at some of its faces, ready to be loaded; see `elastic`.
+    """An elastic solid held at some of its faces, ready to be loaded; see `assemble_elastic_solid`.
 
     Attributes
     ----------

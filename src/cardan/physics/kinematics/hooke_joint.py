@@ -72,7 +72,7 @@ def angle_lead(theta: ArrayLike, *, beta: ArrayLike, pin: Radian = PIN_IN_PLANE)
 
 
 def output_angle(theta: ArrayLike, *, beta: ArrayLike, pin: Radian = PIN_IN_PLANE) -> FloatArray:
-    """Output angle (...) rad: input plus `lead`, counted from where the output is at θ = 0."""
+    """Output angle (...) rad: input plus `angle_lead`, from where the output is at θ = 0."""
     _, theta = array_library_and_floats(theta, like=beta)
     return theta + angle_lead(theta, beta=beta, pin=pin)
 

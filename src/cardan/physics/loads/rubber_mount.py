@@ -191,7 +191,7 @@ class MountedLine:
     shaft_directions : (..., n-1, 3)
         Directions of the shafts.
     brackets, brackets_lost : (..., N, N)
-        N/m of the brackets that bearings hang in (`mounted`), and what they lose; None where
+        N/m of the brackets that bearings hang in (`with_bracket`), and what they lose; None where
         they are rigid.
     flanges, flanges_lost : (..., N, N)
         The same of what holds the first and the last joint.

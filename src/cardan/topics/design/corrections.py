@@ -1,6 +1,6 @@
 """What to change: bearing heights and sides, axle shim and yoke phases, over all states.
 
-Every trial is one case on a leading axis of the same response that `assess` uses, so the
+Every trial is one case on a leading axis of the same response that `approve_driveline` uses, so the
 search evaluates hundreds of layouts at a time. What comes of it is held to the approval of the
 application so corrected, by every study that a check runs.
 """

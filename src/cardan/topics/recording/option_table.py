@@ -82,7 +82,7 @@ class StatementRow:
     texts
         Words for the values, to be translated.
     shown
-        `covers_all_time`, `if not default`, or `with required option` where the option that it
+        `always`, `if not default`, or `with required option` where the option that it
         needs is given.
     after
         Option whose row it follows, if not in the order of declaration.

@@ -390,7 +390,7 @@ class OperatingGrid:
         """Return the places of the lines' own springs: shafts and pinions."""
         return [k for k, (_, p) in enumerate(powertrain.springs) if p.kind in {"shaft", "pinion"}]
 
-    def firing(self, closed: PowertrainVibration) -> FloatArray:
+    def largest_firing_torque(self, closed: PowertrainVibration) -> FloatArray:
         """Largest torque of the firing order in each spring, (G, springs) N m, in any state."""
         out = np.zeros((len(self.gears), len(closed.powertrain.springs)))
         if not self.parts.firing_torque:

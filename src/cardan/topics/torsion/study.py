@@ -101,7 +101,7 @@ def analyse_vibration(
         zones=zones,
         speeds=speeds,
         amplitudes=amplitudes,
-        firing_torque=running.firing(closed),
+        firing_torque=running.largest_firing_torque(closed),
         shifts=tuple(_mode_sensitivities(application, around, parts, closed)),
         lines=tuple(
             LineVibration(line=d.installed.line, lateral_growth=running.lateral(d, loss))

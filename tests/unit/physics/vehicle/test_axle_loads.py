@@ -105,6 +105,18 @@ def test_traction_loads_rear_axle_and_braking_unloads_it():
     assert found.axle * 2 == pytest.approx(found.rest, rel=1e-14)
 
 
+@pytest.mark.parametrize(
+    ("drive", "drives", "axles", "share"),
+    [("4x2", "rear", 1, 1.0), ("6x4", "rear", 2, 1.0), ("6x2", "rear", 1, 0.5),
+     ("6x6", "front", 1, -1.0), ("8x8", "front", 2, -1.0), ("6x6", "all", 3, 0.0)],
+)  # fmt: skip
+def test_each_newton_of_pull_moves_height_over_wheelbase_to_the_rear(drive, drives, axles, share):
+    """Moments about the front axle: F h = L ΔN, which the driven axles of a group share."""
+    vehicle = Vehicle(drive=drive, wheelbase=5.0)
+    found = driveline_axle_loads(vehicle, LADEN, drives=drives).transfer_per_force
+    assert found == pytest.approx(share * 1.4 / 5.0 / axles, abs=1e-15)
+
+
 def test_auxiliary_axle_braking_unloads_rear_axle():
     """Every wheel holds 0.7 of its load: 0.7 W h / L leaves the rear, W the whole weight."""
     tag = AuxiliaryAxle(behind_front=6.25, load=40e3)

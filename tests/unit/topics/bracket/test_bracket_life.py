@@ -567,3 +567,9 @@ def test_bracket_life_has_uncertainty_interval():
     assert kinder.hours_bounds == pytest.approx((1 / 1.5**5, 1 / 0.3))
     assert kinder.at_spots([0]).hours_bounds == pytest.approx((0.5 / 1.1**5, 5))
     assert kinder.max_hours_by_mesh_error == pytest.approx(0.5 / 0.9**5)
+
+
+def test_amplitude_of_the_knee_is_used_in_full_at_zero_mean():
+    strength = ZoneFatigueStrength(SNCurve(amplitude=80 * MPa, cycles=2e6, slope=5.0))
+    assert strength.utilisation(80 * MPa, 0.0) == pytest.approx(1.0, rel=1e-15)
+    assert strength.utilisation([20 * MPa, 160 * MPa], 0.0) == pytest.approx([0.25, 2.0])

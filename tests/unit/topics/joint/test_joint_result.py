@@ -10,10 +10,13 @@ from click.testing import CliRunner
 import cardan
 from cardan.cli import cli
 from cardan.core.errors import DesignError, MissingDependencyError
+from cardan.physics.kinematics.joint_pair import pair_phasor
 from cardan.render.i18n import LANGUAGE_CODES, Translator
 from cardan.render.pdf import column_head
 from cardan.render.text_layout import without_colours
 from cardan.topics.joint import result_presentation as presentation
+from cardan.topics.joint.joint_pair import JointPair
+from cardan.topics.joint.single_joint import SingleJoint
 
 BOTH = {"angle2": "4.5deg", "phase": "90deg"}
 
@@ -207,3 +210,13 @@ def test_no_two_columns_of_a_document_have_the_same_head(code):
         heads = [column_head(head, number=True) for head in table.head]
         assert len(set(heads)) == len(heads)
         assert all(head.endswith("]") for head in heads)
+
+
+def test_output_of_two_joints_has_their_phasor_by_angle_and_pin():
+    """tan²(β/2) e^{2iα}, α how far its pin is ahead of joint 1's: 4 and 6 deg, odd phase."""
+    first = SingleJoint(angle=np.radians(4.0), speed=100.0)
+    made = JointPair(first=first, angle2=np.radians(6.0), phase=0.7, plane_angle=0.4)
+    ahead = made.output.pin - first.pin
+    found = np.tan(made.output.angle / 2) ** 2 * np.exp(2j * ahead)
+    expected = pair_phasor(first.angle, made.angle2, phase=0.7, plane_angle=0.4)
+    assert found == pytest.approx(complex(expected), rel=1e-12)

@@ -46,8 +46,10 @@ class _QuietBounds:
     min_ratio: float
 
 
-SILENT = _QuietBounds(MIN_QUIET_S, MAX_QUIET_SHARE, MIN_LOUD_SHARE, MIN_LOUD_TO_QUIET_RATIO)
-NOISE = _QuietBounds(
+_SILENT_STRETCH = _QuietBounds(
+    MIN_QUIET_S, MAX_QUIET_SHARE, MIN_LOUD_SHARE, MIN_LOUD_TO_QUIET_RATIO
+)
+_NOISE_ONLY_STRETCH = _QuietBounds(
     MIN_NOISE_S, MAX_NOISE_SHARE, MIN_LOUD_SHARE_BESIDE_NOISE, MIN_LOUD_TO_NOISE_RATIO
 )
 
@@ -89,8 +91,8 @@ class QuietStretches:
         if not known.size:
             return fault_intervals([])
         usual = float(np.quantile(known, LOUD_QUANTILE))
-        found = self._stretches(deviation, usual, SILENT)
-        for run, size in self._stretches(deviation, usual, NOISE):
+        found = self._stretches(deviation, usual, _SILENT_STRETCH)
+        for run, size in self._stretches(deviation, usual, _NOISE_ONLY_STRETCH):
             apart = all(run[1] <= a or b <= run[0] for (a, b), _ in found)
             if apart and self._is_noise(blocks[:, slice(*run)]):
                 found.append((run, size))
