@@ -159,11 +159,11 @@ def align_tables(path: Path, tables: Sequence[TimedTable]) -> Recording:
             yield np.stack(rows)
 
     notes = [note for t in (*peers, *slower) for note in (*t.table.notes, *t.axis.notes)]
-    if slower:
+    interpolated = [(one, t) for one, t in zip(laid, slower, strict=True) if one.interpolated]
+    if interpolated:
         said = "; ".join(
-            f"{', '.join(c.name for c in t.channels)} ({t.axis.rate:.6g} Hz)"
-            for t in slower if t.channels
-        )  # fmt: skip
+            f"{', '.join(one.interpolated)} ({t.axis.rate:.6g} Hz)" for one, t in interpolated
+        )
         notes.append(f"laid on one clock of {rate:g} Hz, straight between samples: {said}")
     notes += [note for one in laid for note in one.notes]
     notes += _outside_notes(even, peers, laid)
@@ -297,6 +297,7 @@ class _LaidTable:
     """
 
     names: str
+    interpolated: tuple[str, ...]
     series: tuple[Callable[[], _Series], ...]
     first: float
     last: float
@@ -371,7 +372,10 @@ class _LaidTable:
                 f"the first at {begun[0]:.6g} s"
             )
         each = (partial(series, k, held=h) for k, h in zip(timed.places, held, strict=True))
-        return _LaidTable(names, tuple(each), first, last, max(usual, 0.0), sampled, tuple(notes))
+        between = tuple(c.name for c, h in zip(timed.channels, held, strict=True) if not h)
+        return _LaidTable(
+            names, between, tuple(each), first, last, max(usual, 0.0), sampled, tuple(notes)
+        )
 
 
 def _outside_notes(

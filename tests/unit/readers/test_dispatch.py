@@ -229,11 +229,11 @@ def test_hdf5_whose_parts_are_damaged_is_rejected(tmp_path, monkeypatch):
     h5py = pytest.importorskip("h5py")
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["S1"] = np.arange(100.0)
-    for error in (RuntimeError, KeyError, ValueError, TypeError):
+    for kind in (RuntimeError, KeyError, ValueError, TypeError):
+        error = kind("broken tree")
 
         def broken(*_, error=error):
-            msg = "broken tree"
-            raise error(msg)
+            raise error
 
         monkeypatch.setattr(h5py.Group, "visititems", broken)
         refused(tmp_path / "a.h5", "damaged: .*broken tree")

@@ -258,3 +258,16 @@ def test_slow_mdf_reading_prints_nothing_to_stdout(tmp_path, monkeypatch, capsys
     monkeypatch.setattr(time, "perf_counter", lambda: float(next(begun)))
     assert recording.read_all().shape == (1, N)
     assert capsys.readouterr().out == ""
+
+
+def test_state_written_as_it_changes_is_not_reported_as_interpolated(tmp_path):
+    t = np.arange(10_000) / 1000
+    with asammdf.MDF(version="4.10") as file:
+        file.append([asammdf.Signal(np.sin(t), t, name="S1", unit="MPa")])
+        at = np.array([0.3, 2.11, 2.9, 5.02, 8.4])
+        file.append([asammdf.Signal(np.array([1, 2, 3, 4, 3], "u1"), at, name="gear")])
+        file.append([asammdf.Signal(np.cos(t[::100]), t[::100], name="torque", unit="Nm")])
+        path = file.save(tmp_path / "a.mf4")
+    notes = open_recording(path).notes
+    assert "laid on one clock of 1000 Hz, straight between samples: torque (10 Hz)" in notes
+    assert "gear: written as it changes, each value holds until the next" in notes
