@@ -46,7 +46,7 @@ LARGEST_ANGLE_OF_KIND: dict[JointKind, float] = {
 """Largest angle that joints of a kind are built for, rad.
 
 Fixed ball joints have 47 to 52 deg, plunging tripods 23 to 26: Seherr-Thoss, Schmelz & Aucktor
-(2006), from memory; others assumed. A tripod without plunge is not compared.
+(2006), unverified; others assumed. A tripod without plunge is not compared.
 """
 
 PRINTED_SIZE_TOLERANCE = 0.01
