@@ -49,7 +49,7 @@ LEAF_SOURCE = "mechanics of two cantilevers; 1.9 to 4.8 in the examples; range a
 THROUGH_SLOPE_SOURCE = "geometry: one straight shaft; range assumed, for measured slopes"
 WHEEL_HEIGHT_SOURCE = "geometry: level road; up to 8 mm in the examples, range assumed"
 AXLE_SPACING_SOURCE = "geometry: tyres do not touch; 1.25 to 1.39 in the examples, range assumed"
-ANGLE_OF_KIND_SOURCE = "Seherr-Thoss, Schmelz & Aucktor (2006), from memory; range assumed"
+ANGLE_OF_KIND_SOURCE = "Seherr-Thoss, Schmelz & Aucktor (2006), unverified; range assumed"
 TUBE_SIZES_SOURCE = "catalogue tubes"
 CHECK_UNIT_HINT = "check the unit"
 
