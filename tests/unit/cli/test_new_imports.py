@@ -268,9 +268,7 @@ def test_stall_ratio_of_a_converter_is_read_in_unit_of_its_heading(job, tmp_path
 
 
 def with_converter(job: Path) -> None:
-    changed(
-        job.parent / "a.vgbx", '"Enabled": false', '"Enabled": true,\n"File": "tc.vtcc"'
-    )
+    changed(job.parent / "a.vgbx", '"Enabled": false', '"Enabled": true,\n"File": "tc.vtcc"')
     (job.parent / "tc.vtcc").write_text(
         "# invented\nSpeed Ratio [-],Torque Ratio [-],Input Torque [Nm]\n0,1.93,377\n1,1.0,0\n",
         "utf-8",

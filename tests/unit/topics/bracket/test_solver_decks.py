@@ -46,7 +46,8 @@ def deck():
     )  # fmt: skip
     return SolverDeck(
         comments=("one line", "another"), nodes=nodes, material=STEEL,
-        frequencies=np.array([167.247866, 1119.15]), held={"bolt 1 wall": "xy"}, held_clamped={"bolt 1 wall": "xyz"},
+        held={"bolt 1 wall": "xy"}, held_clamped={"bolt 1 wall": "xyz"},
+        frequencies=np.array([167.247866, 1119.15]),
         steps=(DeckStep(title="kerb", loads=LOADS, max_displacement=1e-4),
                DeckStep(title="at rest", loads=np.zeros(9), max_displacement=0.0)),
     )  # fmt: skip
