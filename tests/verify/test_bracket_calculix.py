@@ -100,7 +100,7 @@ def test_natural_frequencies_match_calculix(both):
 def test_written_deck_gives_our_displacements_and_stresses(tmp_path):
     """`--inp`, in mm and MPa: forces, moments, accelerations, and the driveline's own loads.
 
-    To 1e-4, as above; nothing is added to the deck but threads.
+    To 1e-4, as above; nothing is added to the deck but threads. Then its step of frequencies.
     """
     (tmp_path / "a.yaml").write_text(LINE + BRACKET + """\
   element_mm: 12
@@ -123,3 +123,7 @@ def test_written_deck_gives_our_displacements_and_stresses(tmp_path):
         assert moved == pytest.approx(max_displacement_at_peak(v, o).value, rel=1e-4)
         ours = displacement_and_stress_at_case_peak(v, o)[1][flat] / MPa
         assert np.abs(von_mises(s[: len(nodes.points)][flat]) - ours).max() < 1e-4 * ours.max()
+    *head, step = inp_text(deck).partition("** Step 1:")[0].rpartition("** *STEP\n")
+    text = "".join((*head[:1], "*STEP\n", step.replace("** ", "")))
+    _, frequencies, _ = calculix.run(text, tmp_path)
+    assert frequencies[:6] == pytest.approx(deck.frequencies, rel=1e-4)

@@ -40,6 +40,9 @@ def inp_text(deck: SolverDeck) -> str:
         *_boundary_lines(deck.held),
         "** The clamped flange instead:",
         *(f"** {line}" for line in _boundary_lines(deck.held_clamped)),
+        f"** {deck.frequency_text}",
+        "** This step, in place of the others, computes them:",
+        *(f"** {line}" for line in _frequency_step(len(deck.frequencies))),
     ]
     for k, step in enumerate(deck.steps, 1):
         *forces, ax, ay, az = deck_loads(step.loads).tolist()
@@ -114,6 +117,11 @@ def _boundary_lines(held: dict[str, str]) -> Iterator[str]:
         for axis in axes:
             dof = "xyz".index(axis) + 1
             yield f"{set_name(face)},{dof},{dof}"
+
+
+def _frequency_step(count: int) -> tuple[str, ...]:
+    """Return a step that computes the lowest natural frequencies."""
+    return "*STEP", "*FREQUENCY", str(count), "*END STEP"
 
 
 def _against(axis: int, size: float) -> str:

@@ -24,6 +24,8 @@ def bdf_text(deck: SolverDeck) -> str:
     nodes, seat_element = deck.nodes, len(deck.nodes.elements) + 1
     lines = [
         *(f"$ {line}" for line in deck.comments),
+        f"$ {deck.frequency_text}",
+        "$ SOL 103 computes them, with SPC = 1 and METHOD = 1 for its one subcase.",
         "SOL 101",
         "CEND",
         "ECHO = NONE",
@@ -58,6 +60,7 @@ def bdf_text(deck: SolverDeck) -> str:
             dofs = "".join(str("xyz".index(axis) + 1) for axis in axes)
             if len(at := deck.face_nodes(face)):
                 lines += _small("SPC1", number, dofs, *at.tolist())
+    lines += _small("EIGRL", 1, None, None, len(deck.frequencies))
     for k, step in enumerate(deck.steps, 1):
         lines += _load_lines(k, deck_loads(step.loads), deck.reference_node)
     return "\n".join([*lines, "ENDDATA"]) + "\n"

@@ -43,6 +43,7 @@ class SolverDeck:
 
     `held`, and `held_clamped` for the other way to hold the flange, are faces by name with the
     axes along which they are held. `comments` are lines of plain text for the head of the file.
+    `frequencies` (m,) are those of the bracket alone, held sliding, Hz.
     """
 
     comments: tuple[str, ...]
@@ -50,6 +51,7 @@ class SolverDeck:
     material: Material
     held: dict[str, str]
     held_clamped: dict[str, str]
+    frequencies: FloatArray
     steps: tuple[DeckStep, ...]
 
     @property
@@ -60,6 +62,12 @@ class SolverDeck:
     def face_nodes(self, name: str) -> IntArray:
         """Return the numbers (k,) of the nodes on a face, counted from 1."""
         return np.unique(self.nodes.faces[self.nodes.face_names == name]) + 1
+
+    @property
+    def frequency_text(self) -> str:
+        """The natural frequencies as a line for the deck, which it has by its density."""
+        values = ", ".join(f"{f:.6g}" for f in self.frequencies.tolist())
+        return f"Natural frequencies of the bracket alone, the flange sliding: {values} Hz"
 
     @property
     def face_sets(self) -> dict[str, str]:
@@ -80,6 +88,7 @@ def solver_deck(bracket: Bracket, v: ShapeAssessment, *, title: str, said: str =
         material=bracket.material,
         held=v.solved.sliding.fixed_faces,
         held_clamped=v.solved.clamped.fixed_faces,
+        frequencies=v.frequencies,
         steps=tuple(
             DeckStep(
                 title=plain_text(str(o.case.when)),
@@ -99,6 +108,12 @@ def _comments(bracket: Bracket, v: ShapeAssessment) -> Iterator[str]:
     yield "An acceleration is the frame's: the bracket's own mass is loaded against it."
     yield "One step a case, static, at the moment of its highest stress."
     yield "Held: flange sliding. Sets for the clamped flange are there as well."
+    if bracket.carried_mass > 0:
+        loaded = ", ".join(f"{f:.4g}" for f in v.loaded_frequencies.tolist())
+        yield (
+            f"Not in the deck: {bracket.carried_mass:g} kg carried on its rubber; with it the "
+            f"natural frequencies are {loaded} Hz."
+        )
     if any(o.case.is_dynamic for o in v.case_results):
         yield "The bracket's own vibration is not in the steps."
     if bracket.bolts is not None:

@@ -47,6 +47,7 @@ def deck():
     return SolverDeck(
         comments=("one line", "another"), nodes=nodes, material=STEEL,
         held={"bolt 1 wall": "xy"}, held_clamped={"bolt 1 wall": "xyz"},
+        frequencies=np.array([167.247866, 1119.15]),
         steps=(DeckStep(title="kerb", loads=LOADS, max_displacement=1e-4),
                DeckStep(title="at rest", loads=np.zeros(9), max_displacement=0.0)),
     )  # fmt: skip
@@ -101,6 +102,7 @@ def test_nastran_deck_holds_mesh_material_coupling_and_loads(deck):
     assert [float(x) for x in gravity[2:]] == [1, 0, -5000, 9806.65]
     assert parts[by["LOAD"][1][3]] == [0, 1, 0, 0]
     assert re.findall(r"SUBTITLE = (.*)", text) == ["kerb", "at rest"]
+    assert by["EIGRL"] == [["1", "", "", "2"]]
     assert "$ largest displacement 0.1 mm" in text
 
 
@@ -148,6 +150,15 @@ def test_calculix_deck_has_one_block_of_nodes(deck):
     end = lines.index("*NSET,NSET=REFERENCE")
     assert lines[end - 1] == f"{deck.reference_node},0.,0.,0."
     assert lines[end + 1] == f"{deck.reference_node},"
+
+
+def test_decks_say_natural_frequencies_and_the_step_that_computes_them(deck):
+    said = "Natural frequencies of the bracket alone, the flange sliding: 167.248, 1119.15 Hz"
+    assert f"$ {said}" in bdf_text(deck).splitlines()
+    lines = inp_text(deck).splitlines()
+    step = lines[lines.index(f"** {said}") + 2 :][:4]
+    assert [one.removeprefix("** ") for one in step] == ["*STEP", "*FREQUENCY", "2", "*END STEP"]
+    assert all(one.startswith("** ") for one in step)
 
 
 def test_titles_are_ascii_in_one_line():
