@@ -163,6 +163,7 @@ def test_waterfall_maximum_matches_worst_bearing_force_of_check(monkeypatch):
     Of linear rubber, which a waterfall has beyond its stop too.
     """
     monkeypatch.setattr(MountLoads, "stop_response_on", lambda *_: None)
+    monkeypatch.setattr(MountLoads, "stuck_forces", None)
     found = approve_driveline(reader.loads(TRUCK))
     for quantity, key in (("centre_bearing_dynamic", "dynamic"), ("centre_bearing_peak", "peak")):
         checks = [c for c in found.checks if c.quantity == quantity]
@@ -460,6 +461,7 @@ def test_every_map_cell_matches_its_own_check():
 def test_map_cell_with_bearing_force_search_has_full_verdict(monkeypatch):
     """On linear rubber: a map is a batch, of which a stop is not solved."""
     monkeypatch.setattr(MountLoads, "stop_response", None)
+    monkeypatch.setattr(MountLoads, "stuck_forces", None)
     text = (ROOT / "examples" / "tandem-6x4.yaml").read_text("utf-8")
     parts = []
     told = job("map", text=text, parts=parts, x="bearing_height 1", y="shim 1", sought=True)

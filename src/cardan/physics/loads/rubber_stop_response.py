@@ -43,7 +43,7 @@ FINE_SAMPLES = 192
 _ITERATIONS = 6
 _LEAST_STEP = 1 / 16
 """Of the way between two speeds, at which a motion that is followed is given up as lost."""
-_STIFFENING = (0.2, 0.4, 0.6, 0.8, 1.0)
+_STIFFENING = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
 """Powers of the ratio of stiffness by which a motion is found from that of linear rubber."""
 _FOLLOWED = len(_STIFFENING)
 _SHARES = np.append(_STIFFENING, 1.0)

@@ -355,6 +355,7 @@ def test_batch_of_corrections_equals_single_corrections(truck):
 def test_zero_correction_keeps_margins(truck, monkeypatch):
     """Of forces that are lower bounds: with their stop they are solved of one design alone."""
     monkeypatch.setattr(MountLoads, "stop_response_on", lambda *_: None)
+    monkeypatch.setattr(MountLoads, "stuck_forces", None)
     response = compute_line_response(
         truck, line_state_demand(resolve_line_references(truck, truck.lines[0]))
     )
@@ -656,6 +657,7 @@ def test_single_correction_lists_checks_that_it_makes_fail(monkeypatch):
     42 spoilt something when the whole was all that was asked, 4 do now.
     """
     monkeypatch.setattr(MountLoads, "stop_response", None)
+    monkeypatch.setattr(MountLoads, "stuck_forces", None)
     collector = reader.read(EXAMPLES / "refuse-collector-6x2.yaml")
     found = approve_driveline(collector)
     (response,) = found.line_responses

@@ -90,6 +90,7 @@ def test_mount_adjustment_matches_file_with_changed_mount(truck, what):
 @pytest.mark.slow
 def test_single_corrections_include_other_mounts(truck, monkeypatch):
     monkeypatch.setattr(MountLoads, "stop_response", None)  # of a move at a stop it is estimated
+    monkeypatch.setattr(MountLoads, "stuck_forces", None)
     found = check_sensitivities(approve_driveline(truck.application))
     (force,) = (s for s in found if s.check.quantity == "centre_bearing_dynamic")
     told = {e.adjustable.adjustment_key: e for e in force.effects}
