@@ -199,21 +199,21 @@ def _assumed_losses(responses: Iterable[LineResponse]) -> Iterator[TranslatableM
             or r.layout.points.ndim > 3
         ):
             continue
-        force, is_bound = QUANTITIES["centre_bearing_dynamic"].values_and_bounds(r)
-        if np.isnan(force).all():  # of a line of unknown speed, or that swings
+        every, is_bound = QUANTITIES["centre_bearing_dynamic"].values_and_bounds(r)
+        if np.isnan(every).all():  # of a line of unknown speed, or that swings
             continue
         # Where rubber meets its stop, or a spline sticks, another crest counts.
         at_stop = r.mount_loads.is_solved_at_stop | is_bound
-        force = np.where(at_stop | r.mount_loads.is_stuck("dynamic"), np.nan, force)
-        if np.isnan(force).all():
-            if not at_stop.any():
-                continue
+        force = np.where(at_stop | r.mount_loads.is_stuck("dynamic"), np.nan, every)
+        if at_stop.any() and not np.fmax.reduce(force, None) >= np.nanmax(every):
             yield translatable_message(
                 "the rubber's loss factor {factor} is assumed, and forces of line {line} at its "
                 "stop depend on it: give loss_factor",
                 factor=f"{DEFAULT_LOSS_FACTOR:g}",
                 line=r.line.name,
             )
+            continue
+        if np.isnan(force).all():
             continue
         s, k = np.unravel_index(int(np.nanargmax(force)), force.shape)
         more, less = (
