@@ -103,6 +103,11 @@ def test_what_is_no_gain_is_none(spoil, seed):
     assert breaks(spoil(gauge(seed))) == {}
 
 
+@pytest.mark.parametrize("scale", [1e-310, 1e200, 1e308])
+def test_numbers_near_the_smallest_and_largest_are_no_break(scale):
+    breaks(scale * np.clip(changed(-2.0), -1, 1))
+
+
 def test_short_recording_has_no_break():
     assert breaks(gauge()[:900]) == {}
 

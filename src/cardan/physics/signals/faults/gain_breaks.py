@@ -91,6 +91,7 @@ class GainBreakDetector:
         self.start += first
         self.tail, self.missing = self.tail[first:].copy(), self.missing[first:].copy()
 
+    @np.errstate(all="ignore")  # of numbers near the largest nothing is found
     def _search(self, first: int, last: int) -> None:
         x, missing = self.tail[first:last], self.missing[first:last]
         by = _prediction_by_autocorrelation(x)
@@ -189,6 +190,7 @@ _BEHIND = np.tri(PREDICTION_ORDER, PREDICTION_ORDER + 1, dtype=bool)
 """Samples behind a change, and which of those that predict them lie behind it as well."""
 
 
+@np.errstate(all="ignore")
 def _gain_change(near: FloatArray) -> tuple[int, float] | None:
     """Return from which sample on the gain changes in the middle of samples, and by what factor.
 
