@@ -9,7 +9,7 @@ from repository import EXAMPLES
 from cardan.application import limit_profiles, reader
 from cardan.approval.driveline_study import line_checks, unevaluated_line_checks
 from cardan.checks.line_response import LineResponse, compute_line_response
-from cardan.core.units import MPa
+from cardan.core.units import MPa, mm
 from cardan.core.verdict import Limit
 from cardan.physics.strength.torsional_strength import tube_buckling_torque
 from cardan.physics.vehicle.resolved_line import resolve_line_references
@@ -98,3 +98,15 @@ def test_buckling_utilisation_is_torque_with_shocks_over_what_buckles_the_wall()
         )  # fmt: skip
         expected = np.abs(r.demand.torque) * r.application.shock_factor / held
         assert r.strength.tube_buckling_utilisation[:, k] == pytest.approx(expected, rel=1e-12)
+
+
+def test_spline_travel_left_is_to_its_stop_inward_or_outward():
+    """Plunge 55 mm and draw 45 mm from the length as installed, whichever end is nearer."""
+    r = response_with_material()
+    longer = r.layout.lengths[:, -1] - r.demand.installed.layout.lengths[-1]
+    assert longer.min() < -1e-3
+    assert longer.max() > 1e-4
+    inward, outward = 55 * mm + longer, 45 * mm - longer
+    left = r.clearances.spline_travel_margin
+    assert left == pytest.approx(np.minimum(inward, outward), rel=1e-12)
+    assert {float(a < b) for a, b in zip(inward, outward, strict=True)} == {0.0, 1.0}

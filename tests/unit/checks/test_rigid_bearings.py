@@ -1,6 +1,7 @@
 """A centre bearing without a stiffness is rigid: it carries what statics tells."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from click.testing import CliRunner
 
 from cardan.application import reader, templates
 from cardan.approval.approval import approve_driveline
+from cardan.checks import drive_forces
 from cardan.cli import cli
 
 MACHINE = templates.template_text("industrial")
@@ -79,3 +81,29 @@ def test_nothing_swings_on_rigid_bearings():
     about = {"swing_growth", "resonance_distance", "centre_bearing_travel", "clearance_on_rubber"}
     asked = {c.quantity for c in found.checks} | {u.quantity for u in found.coverage.unevaluated}
     assert not about & asked
+
+
+def test_rigid_bearings_coast_where_torque_is_against_the_sense_of_rotation(monkeypatch):
+    """Ahead and astern: the axle is moved as overrun moves it, by the size of the speed."""
+    seen = {}
+
+    def moved(demand, **given):
+        seen.update(given)
+        return demand
+
+    monkeypatch.setattr(drive_forces, "demand_with_axle_moved_by_torque", moved)
+    mounts = SimpleNamespace(
+        is_rigid=True, bearing_forces_at=lambda *_: SimpleNamespace(peak=np.zeros((4, 2, 1))),
+        inputs=SimpleNamespace(
+            demand=SimpleNamespace(states=("a", "b")), layout_for=lambda under: under
+        ),
+    )  # fmt: skip
+    one = np.ones(4)
+    drive = drive_forces.TorqueSpeedTimeHistory(
+        time=one, input_angle=one, torque=np.array([5.0, -5.0, -5.0, 5.0]),
+        speed=np.array([10.0, 10.0, -10.0, -10.0]),
+    )  # fmt: skip
+    drive_forces.bearing_forces_over_time_history(mounts, drive, state=0)
+    assert seen["coasts"][:, 1].tolist() == [False, True, False, True]
+    assert seen["sense"][:, 0].tolist() == [1, 1, -1, -1]
+    assert seen["speed"].tolist() == np.full((4, 2), 10.0).tolist()

@@ -9,6 +9,7 @@ from cardan.topics.recording import bearing_model
 from cardan.topics.recording.bearing_model import (
     discard_oldest,
     measurement_windows,
+    remembered_response,
     stepped_pole,
 )
 
@@ -52,3 +53,14 @@ def test_what_was_kept_first_goes_first():
     kept = dict.fromkeys("abcd", 0)
     discard_oldest(kept, 2)
     assert list(kept) == ["c", "d"]
+
+
+@pytest.mark.parametrize("order", [2.0, 4.0])
+def test_modes_add_nothing_where_speed_and_load_are_steady(order):
+    """What was begun at the start has died away: only a changing speed is remembered."""
+    scene = drive(np.full(600, 14.0))
+    W = 2j * np.pi * order * scene.at.speed
+    steady = (1e6 / (W - POLES[0]) * scene.load(order))[None]
+    added = remembered_response(scene, steady, POLES, order)
+    inside = slice(2, -2)
+    assert np.abs(added[:, inside]).max() < 1e-3 * np.abs(steady).max()
