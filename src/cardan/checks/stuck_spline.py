@@ -63,7 +63,7 @@ class StuckForces:
     travel_share : (S, n-2) 1, by `STUCK_FORCE_KINDS`
         Largest way across the shaft there over that to the stop, of the bearing with the most.
     peak_parts : (S, n-2) N, of "static" and "dynamic"
-        What the peak force consists of, beside unbalance.
+        What the peak force consists of, without unbalance.
     """
 
     forces: dict[str, FloatArray]
