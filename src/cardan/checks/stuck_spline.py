@@ -86,6 +86,8 @@ def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
         inputs.demand, mounts.torque_curves, curve=curve, speed=speed
     )
     slip = np.nan_to_num(inputs.spline_force_at(asked.torque))
+    if slip.ndim > 2:  # of many designs
+        return None
     line = _LineAtPoints.of(mounts, held, asked)
     ahead = (line.torque >= 0)[None]
     pushed, drawn = np.where(ahead, *thrust.own_compression[:, :, None])
