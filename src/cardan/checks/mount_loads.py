@@ -269,12 +269,13 @@ class MountLoads:
 
         Of one design. Of many it is too dear: their forces are those of a spline that slides.
         """
+        stop, thrust = self.rubber_stop_travel, self.mounts.stroke_thrust
+        if thrust is None or thrust.own_compression.ndim > 3 or stop.size > stop.shape[-1]:
+            return None
         many = self.mounts.torque_curves.max_speed.ndim > 2
-        if many or self.mounts.inputs.layout.points.ndim > 3:
+        if many or self.mounts.inputs.layout.points.ndim > 3 or not self.worst_bearing_forces:
             return None
-        if not self.worst_bearing_forces:
-            return None
-        return stuck_forces(self.mounts, self.rubber_stop_travel.reshape(-1))
+        return stuck_forces(self.mounts, stop.reshape(-1))
 
     def is_stuck(self, name: str) -> BoolArray:
         """Return where one of `FORCE_KINDS` is largest with the spline stuck, (S, n-2)."""

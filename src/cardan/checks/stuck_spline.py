@@ -63,7 +63,7 @@ class StuckForces:
     travel_share : (S, n-2) 1, by `STUCK_FORCE_KINDS`
         Largest way across the shaft there over that to the stop, of the bearing with the most.
     peak_parts : (S, n-2) N, of "static" and "dynamic"
-        What the peak force consists of, next to unbalance.
+        What the peak force consists of, without unbalance.
     """
 
     forces: dict[str, FloatArray]
@@ -86,6 +86,8 @@ def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
         inputs.demand, mounts.torque_curves, curve=curve, speed=speed
     )
     slip = np.nan_to_num(inputs.spline_force_at(asked.torque))
+    if slip.ndim > 2:  # of many designs
+        return None
     line = _LineAtPoints.of(mounts, held, asked)
     ahead = (line.torque >= 0)[None]
     pushed, drawn = np.where(ahead, *thrust.own_compression[:, :, None])
