@@ -82,7 +82,9 @@ def test_axially_soft_bracket_has_axial_mode(response):
         np.abs(of.force_amplitudes[:, :, 1, 2])
     )
     states = len(on.demand.states)
-    spots = SimpleNamespace(torque=np.zeros((states, 1)), speed=np.full((states, 1), w / 2))
+    spots = SimpleNamespace(
+        torque=np.zeros((states, 1)), speed=np.full((states, 1), w / 2), is_spline_stuck=None
+    )
     assert on.mount_loads.order_crossings(spots)[0] == [None]
     lateral = modes.frequency[0, modes.mode_names(0).index("lateral")]
     spots.speed[:] = lateral / 2

@@ -410,7 +410,7 @@ def test_a_long_recording_that_stands_still_is_one_moment(force):
     """A dead sensor, or a parked truck: nothing turns, and the program said it was at fault."""
     still = np.zeros((2001, 9))
     still[:, 0] = force
-    way: Any = SimpleNamespace(worth=np.ones(9))
+    way: Any = SimpleNamespace(rms_stress_per_load=np.ones(9))
     assert BoundaryCase.telling(way, still).tolist() == still[:1].tolist()
 
 
