@@ -2,6 +2,7 @@
 
 # ruff: noqa: E501  messages stand here as they are printed
 
+import re
 from dataclasses import replace
 
 import numpy as np
