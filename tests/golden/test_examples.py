@@ -49,6 +49,7 @@ FAILS = {
     },
     "mtv-6x6": {
         "centre_bearing_static", "centre_bearing_peak", "spline_compression_utilisation",
+        "centre_bearing_dynamic",  # with its spline stuck: 2812 N and more
     },
     "pick-up-4x4": set(),
     "refuse-collector-6x2": {
