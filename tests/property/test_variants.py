@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from cardan.application import overrides, reader
 from cardan.checks.line_response import compute_line_response
+from cardan.checks.mount_loads import MountLoads
 from cardan.checks.quantities.registry import LINE_QUANTITIES
-from cardan.checks.rubber_at_stop import FORCE_KINDS
 from cardan.core.errors import DesignError, InvalidFileError
 from cardan.model.application import Application
 from cardan.model.layout import Layout
@@ -30,6 +30,15 @@ ROUNDING = 1e-12
 """Of the largest value about: sums over the states, the shafts and a turn cancel to some 1e-13."""
 
 
+@pytest.fixture(scope="module", autouse=True)
+def _linear_rubber():
+    """Of a batch neither a stop of rubber nor a stuck spline is solved."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(MountLoads, "stop_response", None)
+        patch.setattr(MountLoads, "stuck_forces", None)
+        yield
+
+
 @cache
 def application(name: str) -> Application:
     return reader.read(EXAMPLES[name])
@@ -45,8 +54,6 @@ def found(of: Application) -> dict[str, np.ndarray]:
             values[f"{line}, {name}"] = value
         response = compute_line_response(of, asked)
         values |= {f"{line}, {key}": q.values(response) for key, q in LINE_QUANTITIES.items()}
-        for kind in FORCE_KINDS:  # on linear rubber: of a batch a stop is not solved
-            values[f"{line}, centre_bearing_{kind}"] = response.mount_loads.bearing_force(kind)
         static, dynamic = response.rigid_loads.small_angle_bearing_forces
         values |= {f"{line}, small static": static, f"{line}, small dynamic": dynamic}
         for name, by in response.kinematics.approximate_excitations.items():

@@ -11,6 +11,7 @@ from cardan.approval.applied_adjustments import line_response_in_states
 from cardan.approval.driveline_study import unevaluated_line_checks
 from cardan.checks import stroke_thrust
 from cardan.checks.line_response import LineResponse, compute_line_response
+from cardan.checks.mount_loads import MountLoads
 from cardan.checks.quantities.registry import QUANTITIES
 from cardan.physics.vehicle.state_demand import (
     axle_motion_under_torque,
@@ -171,7 +172,8 @@ def test_spline_that_is_pushed_in_has_a_thrust_below_zero_and_one_drawn_out_abov
 
 
 @pytest.mark.slow
-def test_batch_of_frictions_equals_single_lines():
+def test_batch_of_frictions_equals_single_lines(monkeypatch):
+    monkeypatch.setattr(MountLoads, "stop_response", None)  # of one design alone
     drawn = {
         FRICTION: np.array([0.06, 0.08, 0.11]),
         "driveline.shafts[1].centre_bearing.lateral_stiffness_N_mm": np.array(
