@@ -164,11 +164,13 @@ def test_coarse_time_step_is_accurate_enough_for_selection(application, monkeypa
     rng = np.random.default_rng(1)
     for _ in range(5):
         x = rng.normal(0, 0.2, len(free))
-        off = coarse.rows(free, x) - fit.rows(free, x)
+        off = coarse.residuals(free, x) - fit.residuals(free, x)
         assert off.size > 300
         assert np.abs(off).max() < 0.3 < 1.0 > np.linalg.norm(off)
-        left = fit.rows(free, x)
-        assert coarse.rows(free, x) @ coarse.rows(free, x) == pytest.approx(left @ left, rel=0.02)
+        left = fit.residuals(free, x)
+        assert coarse.residuals(free, x) @ coarse.residuals(free, x) == pytest.approx(
+            left @ left, rel=0.02
+        )
 
 
 @pytest.mark.long

@@ -198,7 +198,9 @@ def grade(quantity, value, normal, maximum):
     return "fail" if past[1] else "warn" if past[0] else "pass"
 
 
-@pytest.mark.parametrize("file", TRUCKS)
+@pytest.mark.parametrize(
+    "file", [pytest.param("by_hand.yaml", marks=pytest.mark.slow), "by_hand_front.yaml"]
+)
 def test_verdicts_match_hand_calculation(file):
     for (quantity, _), of in checked(file).items():
         for checks in of.values():
@@ -388,6 +390,7 @@ OF_OTHER_KINDS = {
 """Of plies, double cardans, tripods and discs, which these trucks have not: tests of their own."""
 
 
+@pytest.mark.slow
 def test_truck_files_cover_every_limitable_quantity():
     wanted = set(LINE_QUANTITIES) - OF_OTHER_KINDS - NOT_BY_PENCIL - BY_ITSELF
     for file in TRUCKS:

@@ -73,6 +73,7 @@ def test_static_force_over_stroke_is_limited_by_tyres(monkeypatch):
     assert found == pytest.approx(fine, rel=0.09)
 
 
+@pytest.mark.slow
 def test_tyres_that_hold_all_torque_let_more_of_the_stroke_thrust():
     """Half as much grip again lets the axle rise farther under all of the torque."""
     r = line(COLLECTOR.replace("friction: 0.8 ", "friction: 1.2 ", 1))
@@ -92,6 +93,7 @@ def test_unknown_stroke_holds_whole_slip_force():
     assert r.mount_loads.bearing_force("static")[GVW, 1] >= dead * (1 - 1e-3)
 
 
+@pytest.mark.slow
 def test_unknown_stroke_above_critical_compression_is_not_evaluated():
     """At 0.12 the slip force is 27.5 kN, and 25.3 buckle the line."""
     text = unknown_stroke().replace("friction: 0.08", "friction: 0.12")

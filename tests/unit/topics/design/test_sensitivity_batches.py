@@ -18,6 +18,7 @@ def truck() -> Approval:
     return approve_driveline(reader.read(EXAMPLES / "medium-truck-4x2.yaml"))
 
 
+@pytest.mark.slow
 def test_effect_of_a_move_in_the_batch_equals_the_move_alone(truck):
     """Its value is the worst of all states; the batch may only round otherwise.
 

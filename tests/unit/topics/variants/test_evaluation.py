@@ -237,6 +237,7 @@ def test_array_of_values_is_graded_like_single_values(limit, values, validity_ma
     assert CHECK_GRADES[limit.grades(np.array([np.nan]))[0]] == "fail"
 
 
+@pytest.mark.slow
 def test_yield_alone_is_that_of_all_limits_and_stops_before_rubber(monkeypatch):
     scatter = {"bearing_height_mm[*]": {"normal": 3.0}, "phase_deg[*]": {"normal": 4.0}}
     moved = {"bearing_height_mm[2]": {"choice": [15]}, "shim_deg": {"choice": [0.5]}}
