@@ -30,6 +30,11 @@ from cardan.documents import approval_json as contract
 HERE = Path(__file__).parent
 TRUCKS = {"by_hand.yaml": by_hand.TRUCK, "by_hand_front.yaml": by_hand.FRONT_TRUCK}
 
+EITHER_TRUCK = pytest.mark.parametrize(
+    "file", [pytest.param("by_hand.yaml", marks=pytest.mark.slow), "by_hand_front.yaml"]
+)
+"""The first meets its stops on many curves: its forces take 10 s."""
+
 CLOSED, TURNED, BEAMS = 1e-9, 1e-7, 5e-3
 DIGITS = 1e-11
 """The document prints twelve."""
@@ -198,9 +203,7 @@ def grade(quantity, value, normal, maximum):
     return "fail" if past[1] else "warn" if past[0] else "pass"
 
 
-@pytest.mark.parametrize(
-    "file", [pytest.param("by_hand.yaml", marks=pytest.mark.slow), "by_hand_front.yaml"]
-)
+@EITHER_TRUCK
 def test_verdicts_match_hand_calculation(file):
     for (quantity, _), of in checked(file).items():
         for checks in of.values():
@@ -308,7 +311,7 @@ def test_json_document_matches_hand_calculation(file, line, state):
         assert apart <= rel * size + 1e-9, path
 
 
-@pytest.mark.parametrize("file", TRUCKS)
+@EITHER_TRUCK
 def test_demand_of_vehicle_matches_hand_calculation(file):
     """J3311's torques, axle loads at rest and at slip, rise and pitch of the axle."""
     for response in assessed(file).line_responses:
@@ -320,7 +323,7 @@ def test_demand_of_vehicle_matches_hand_calculation(file):
                 assert ours == wanted, (response.line.name, state.name, name)
 
 
-@pytest.mark.parametrize("file", TRUCKS)
+@EITHER_TRUCK
 def test_beam_model_matches_hand_calculation(file):
     for response in assessed(file).line_responses:
         bends, bounces = by_pencil(file)[3][response.line.name]
@@ -331,7 +334,7 @@ def test_beam_model_matches_hand_calculation(file):
             assert isnan(response.strength.mount_resonance_speed)
 
 
-@pytest.mark.parametrize("file", TRUCKS)
+@EITHER_TRUCK
 def test_parts_are_read_with_hand_calculated_properties(file):
     """What a whirling line does not tell apart: up from sideways, where all shafts are round."""
     for installed, hand in zip(assessed(file).application.lines, TRUCKS[file].lines, strict=True):
