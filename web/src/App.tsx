@@ -221,7 +221,7 @@ function Strip({ known }: { known: AppState }) {
         {full && !unfinished && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counted[g]}</span>)}
         {full && !unfinished && full.missed > 0 && <span>{t("{count} not evaluated", { count: full.missed })}</span>}
         <span class="profile">{live?.profile}</span>
-        <span class="pending" aria-hidden={settled}>{settled ? "" : unfinished ? t("bearing forces not evaluated: {why}", { why: unfinished }) : t("bearing forces follow …")}</span>
+        <span class="pending" aria-hidden={settled}>{settled ? "" : unfinished ? t("bearing forces not evaluated: {why}", { why: unfinished }) : <><progress aria-hidden="true" /> {t("bearing forces follow …")}</>}</span>
         {unfinished && <button onClick={() => store.evaluateAgain()}>{t("evaluate again")}</button>}
         {!known.fixed && known.view !== "library" && <button class="plain" data-do="report" onClick={() => store.show("library")}>{t("create report")}</button>}
       </p>

@@ -83,7 +83,7 @@ export function Drawing({ known, shown, view }: { known: AppState; shown: ShownL
         </g>
         <g aria-hidden="true">{shown.laid.joints.map((_, k) => <Yokes key={k} bold={bold} k={k} pins={shown.laid.pins[k] ?? []} p={p} c={c} last={shown.laid.joints.length - 1} grade={marks[`joint ${k + 1}`]} />)}</g>
         {view === "side" && <FrameLine bearings={shown.laid.bearings} bold={bold} p={p} />}
-        <Dimensions p={p} bold={bold} c={c} slopes={seen.slopes} lengths={seen.lengths} />
+        <Dimensions p={p} bold={bold} c={c} slopes={seen.slopes} lengths={seen.lengths} obstacles={obstacles} />
         <g aria-hidden="true">
           {shown.laid.bearings.map((b, k) => (
             <Bearing key={k} x={p.x(b[0])} y={p.y(b[c])} n={k + 1} grade={marks[`centre bearing ${k + 1}`]} chosen={marked("centre bearing", k + 1)} />
@@ -204,14 +204,23 @@ function Bearing(of: { x: number; y: number; n: number; grade: string | undefine
   );
 }
 
-function Dimensions(of: { p: DrawingScale; bold: Point[]; c: 1 | 2; slopes: number[] | undefined; lengths: number[] | undefined }) {
+/** Shares of a member's length at which its slope and length may stand, best first. */
+const DIMENSION_PLACES = [0.5, 0.36, 0.64, 0.24, 0.76, 0.14, 0.86];
+const DIMENSION_HALF_WIDTH = 34;
+
+function Dimensions(of: { p: DrawingScale; bold: Point[]; c: 1 | 2; slopes: number[] | undefined; lengths: number[] | undefined; obstacles: Obstacle[] }) {
   const { p, bold, c } = of;
+  const covers = (o: Obstacle, x: number): boolean => {
+    const [first, last] = [Math.min(o.start[0], o.end[0]) - o.radius, Math.max(o.start[0], o.end[0]) + o.radius].map(p.x) as [number, number];
+    const foot = p.y(Math.min(o.start[c], o.end[c])) + o.radius * p.scale;
+    return foot > p.height - 45 && x + DIMENSION_HALF_WIDTH > first && x - DIMENSION_HALF_WIDTH < last;
+  };
   return (
     <g class="dimensions" aria-hidden="true">
       {bold.slice(0, -1).map((a, k) => {
         const b = bold[k + 1] as Point;
-        const x = (p.x(a[0]) + p.x(b[0])) / 2;
-        const y = (p.y(a[c]) + p.y(b[c])) / 2;
+        const share = DIMENSION_PLACES.find((s) => !of.obstacles.some((o) => covers(o, p.x(a[0] + s * (b[0] - a[0]))))) ?? 0.5;
+        const [x, y] = [p.x(a[0] + share * (b[0] - a[0])), p.y(a[c] + share * (b[c] - a[c]))];
         const length = k > 0 && k < bold.length - 2 ? of.lengths?.[k - 1] : undefined;
         const room = Math.abs(p.x(b[0]) - p.x(a[0]));
         return (

@@ -35,7 +35,8 @@ export function drawingScale(line: Line, obstacles: Obstacle[], view: ViewDirect
   const length = Math.max(...along) - start || 1;
   const thick = Math.max(60, ...line.tubes.map((d) => d ?? 0));
   const middle = (Math.min(...up) + Math.max(...up)) / 2;
-  const near = obstacles
+  // From above a cross member runs off the page either way.
+  const near = (view === "side" ? obstacles : [])
     .flatMap((o) => [o.start, o.end].map((p) => [p[c] - o.radius, p[c] + o.radius] as const))
     .filter(([a, b]) => Math.abs((a + b) / 2 - middle) < 0.15 * length);
   // What reaches far across is cut at the page's edge: the line is what it is about.
