@@ -95,7 +95,7 @@ export function Drawing({ known, shown, view }: { known: AppState; shown: ShownL
               <g key={k} class={`joint ${worst ?? ""} ${marked("joint", k + 1) ? "chosen" : ""}`}>
                 <circle cx={x} cy={y} r={9.5} />
                 <text x={x} y={y + 4} text-anchor="middle">{k + 1}</text>
-                <text class="angle" x={x} y={y + 34} text-anchor="middle">{bendText(seen.angles?.[k] ?? 0, view)}</text>
+                <text class="angle" x={x} y={y + yokeSize(p.width)[0] + 16} text-anchor="middle">{bendText(seen.angles?.[k] ?? 0, view)}</text>
               </g>
             );
           })}
@@ -219,7 +219,8 @@ function Dimensions(of: { p: DrawingScale; bold: Point[]; c: 1 | 2; slopes: numb
     <g class="dimensions" aria-hidden="true">
       {bold.slice(0, -1).map((a, k) => {
         const b = bold[k + 1] as Point;
-        const share = DIMENSION_PLACES.find((s) => !of.obstacles.some((o) => covers(o, p.x(a[0] + s * (b[0] - a[0]))))) ?? 0.5;
+        const half = Math.abs(p.x(b[0]) - p.x(a[0])) / 2 - DIMENSION_HALF_WIDTH; // what a label may move without reaching its neighbours'
+        const share = DIMENSION_PLACES.find((s) => Math.abs(s - 0.5) * (p.x(b[0]) - p.x(a[0])) <= half && !of.obstacles.some((o) => covers(o, p.x(a[0] + s * (b[0] - a[0]))))) ?? 0.5;
         const [x, y] = [p.x(a[0] + share * (b[0] - a[0])), p.y(a[c] + share * (b[c] - a[c]))];
         const length = k > 0 && k < bold.length - 2 ? of.lengths?.[k - 1] : undefined;
         const room = Math.abs(p.x(b[0]) - p.x(a[0]));
