@@ -148,6 +148,9 @@ class Chart:
     _drawn: list[str] = field(default_factory=list[str])
     _legend: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
     _labels: LabelPlacer = field(init=False)
+    _level_names: list[tuple[str, float, float, str]] = field(
+        default_factory=list[tuple[str, float, float, str]]
+    )
 
     def __post_init__(self) -> None:
         right, bottom = self.width - MARGIN_RIGHT_PX, self.height - MARGIN_BOTTOM_PX
@@ -198,12 +201,17 @@ class Chart:
         self.add_elements(svg.rect(x1, y1, x2 - x1, y2 - y1, fill=colour, fill_opacity=0.13))
         edge = {"stroke": colour, "stroke_width": 1, "stroke_dasharray": "4 3"}
         x, y = (x2, y2) if band.line_at_high_end else (x1, y1)
+        if band.axis == "y":
+            self._labels.taken.append(Box(x1, y - 0.6, x2, y + 0.6))
         self.add_elements(
             svg.line(x, y1, x, y2, **edge) if band.axis == "x" else svg.line(x1, y, x2, y, **edge)
         )
 
     def add_reference_line(self, level: ReferenceLine, *, above: float = 4) -> None:
-        """Draw a line across at a value, with its name at the right end, so far above it."""
+        """Draw a line across at a value, with its name at the right end, so far above it.
+
+        Or below it, or further left: the name is placed once everything else is.
+        """
         x1, y = self.point_to_pixels(self.x[0], level.value)
         if not MARGIN_TOP_PX - 1 <= y <= self.height - MARGIN_BOTTOM_PX + 1:
             return
@@ -212,16 +220,20 @@ class Chart:
         self.add_elements(
             svg.line(x1, y, x2, y, stroke=colour, stroke_width=1.2, stroke_dasharray="6 3")
         )
-        spots = [
-            (x2 - 4 - left, base)
-            for left in (0.0, 90.0, 180.0, 270.0)
-            for base in (y - above, y + above + 8)
-        ]
-        boxes = [text_box(*at, (level.name,), font_size=11, anchor="end") for at in spots]
-        a, b = spots[self._labels.place(boxes)]
-        self.add_elements(
-            svg.text(a, b, level.name, anchor="end", font_size=11, fill=colour, **HALO)
-        )
+        self._labels.taken.append(Box(x1, y - 0.6, x2, y + 0.6))
+        self._level_names.append((level.name, y, above, colour))
+
+    def _placed_level_names(self) -> Iterator[str]:
+        right = self.width - MARGIN_RIGHT_PX - 4
+        for name, y, above, colour in self._level_names:
+            spots = [
+                (right - left, base)
+                for left in (0.0, 90.0, 180.0, 270.0)
+                for base in (y - above, y + above + 8)
+            ]
+            boxes = [text_box(*at, (name,), font_size=11, anchor="end") for at in spots]
+            a, b = spots[self._labels.place(boxes)]
+            yield svg.text(a, b, name, anchor="end", font_size=11, fill=colour, **HALO)
 
     def add_series(self, of: DataSeries, index: int) -> None:
         """Draw a series in the colour and dash of its place."""
@@ -328,7 +340,10 @@ class Chart:
                 )
                 x += wide
         height = self.height + (8 + 17 * len(rows) if rows else 0)
-        drawn = svg.svg_document(self.width, height, *self._axes(), *self._drawn, *legend, alt=alt)
+        drawn = svg.svg_document(
+            self.width, height,
+            *self._axes(), *self._drawn, *self._placed_level_names(), *legend, alt=alt,
+        )  # fmt: skip
         return Figure(title=title, svg=drawn, alt=alt, note=note)
 
     @staticmethod
