@@ -23,7 +23,7 @@ import { Recording } from "./Recording";
 import { SpeedView } from "./SpeedView";
 import { problemText, store, VIEWS, worstRank, worstPart, worstState, type AppState, type View } from "./store";
 import { t } from "./i18n";
-import type { Row, Verdict } from "./types";
+import type { Line, Row, Verdict } from "./types";
 import { KeepVariantButton, Variants } from "./Variants";
 import { memoisedCard, memoised, useAppState } from "./hooks";
 
@@ -221,7 +221,7 @@ function Strip({ known }: { known: AppState }) {
         {full && !unfinished && (["fail", "warn", "pass"] as const).map((g) => <span key={g} class={g}>{full.counted[g]}</span>)}
         {full && !unfinished && full.missed > 0 && <span>{t("{count} not evaluated", { count: full.missed })}</span>}
         <span class="profile">{live?.profile}</span>
-        <span class="pending" aria-hidden={settled}>{settled ? "" : unfinished ? t("bearing forces not evaluated: {why}", { why: unfinished }) : t("bearing forces follow …")}</span>
+        <span class="pending" aria-hidden={settled}>{settled ? "" : unfinished ? t("bearing forces not evaluated: {why}", { why: unfinished }) : <><progress aria-hidden="true" /> {t("bearing forces follow …")}</>}</span>
         {unfinished && <button onClick={() => store.evaluateAgain()}>{t("evaluate again")}</button>}
         {!known.fixed && known.view !== "library" && <button class="plain" data-do="report" onClick={() => store.show("library")}>{t("create report")}</button>}
       </p>
@@ -253,6 +253,12 @@ function Later<P extends object>({ load, ...props }: { load: () => Promise<{ def
   return Of ? <Of {...(props as unknown as P)} /> : <p class="note">…</p>;
 }
 
+/** A line that is straight from above is not drawn so, unless a handle moves something sideways. */
+const topViewSaysSomething = (known: AppState, line: Line): boolean => {
+  const across = [line.installed, ...line.states].flatMap((laid) => [...laid.joints, ...laid.ends]).map((p) => p[1]);
+  return Math.max(...across) - Math.min(...across) > 0.5 || known.handles.some((h) => h.line === line.name && h.ways.includes("y"));
+};
+
 function Views({ known, shown }: { known: AppState; shown: ShownLine }) {
   const [deep, go] = useState(false);
   return (
@@ -266,7 +272,7 @@ function Views({ known, shown }: { known: AppState; shown: ShownLine }) {
       {deep ? (<Later load={() => import("./LineScene")} known={known} shown={shown} />) : (
         <>
           <Drawing known={known} shown={shown} view="side" />
-          <Drawing known={known} shown={shown} view="top" />
+          {topViewSaysSomething(known, shown.line) && <Drawing known={known} shown={shown} view="top" />}
         </>
       )}
     </Card>

@@ -65,20 +65,25 @@ export function Drawing({ known, shown, view }: { known: AppState; shown: ShownL
           {bold.slice(0, -1).map((a, k) => {
             const b = bold[k + 1] as Point;
             const tube = k > 0 && k < bold.length - 2;
-            const thick = Math.max(3, (tube ? (line.tubes[k - 1] ?? 50) : 50) * p.scale * p.times);
+            const thick = Math.max(4, (tube ? (line.tubes[k - 1] ?? 50) : 50) * p.scale); // offsets are exaggerated, tubes are not
             const worst = tube ? marks[`shaft ${k}`] : null;
+            const [x1, y1, x2, y2] = [p.x(a[0]), p.y(a[c]), p.x(b[0]), p.y(b[c])];
+            const yoke = Math.min(yokeSize(p.width)[1] / Math.hypot(x2 - x1, y2 - y1), 0.45);
+            const [front, rear] = [k > 0 ? yoke : 0, k < bold.length - 2 ? yoke : 0];
             return (
               <line
                 key={k}
                 class={`tube ${tube ? "" : "stub"} ${worst ?? ""} ${marked("shaft", k) || marked("clearance", k) ? "chosen" : ""}`}
-                x1={p.x(a[0])} y1={p.y(a[c])} x2={p.x(b[0])} y2={p.y(b[c])}
+                x1={x1 + front * (x2 - x1)} y1={y1 + front * (y2 - y1)} x2={x2 - rear * (x2 - x1)} y2={y2 - rear * (y2 - y1)}
                 stroke-width={Math.min(thick, 60)}
               />
             );
           })}
           <path class="bold" d={path(bold)} />
         </g>
-        <Dimensions p={p} bold={bold} c={c} slopes={seen.slopes} lengths={seen.lengths} />
+        <g aria-hidden="true">{shown.laid.joints.map((_, k) => <Yokes key={k} bold={bold} k={k} pins={shown.laid.pins[k] ?? []} p={p} c={c} last={shown.laid.joints.length - 1} grade={marks[`joint ${k + 1}`]} />)}</g>
+        {view === "side" && <FrameLine bearings={shown.laid.bearings} bold={bold} p={p} />}
+        <Dimensions p={p} bold={bold} c={c} slopes={seen.slopes} lengths={seen.lengths} obstacles={obstacles} />
         <g aria-hidden="true">
           {shown.laid.bearings.map((b, k) => (
             <Bearing key={k} x={p.x(b[0])} y={p.y(b[c])} n={k + 1} grade={marks[`centre bearing ${k + 1}`]} chosen={marked("centre bearing", k + 1)} />
@@ -90,7 +95,7 @@ export function Drawing({ known, shown, view }: { known: AppState; shown: ShownL
               <g key={k} class={`joint ${worst ?? ""} ${marked("joint", k + 1) ? "chosen" : ""}`}>
                 <circle cx={x} cy={y} r={9.5} />
                 <text x={x} y={y + 4} text-anchor="middle">{k + 1}</text>
-                <text class="angle" x={x} y={y + 27} text-anchor="middle">{formatSigned(seen.angles?.[k] ?? 0, 2)}°</text>
+                <text class="angle" x={x} y={y + yokeSize(p.width)[0] + 16} text-anchor="middle">{bendText(seen.angles?.[k] ?? 0, view)}</text>
               </g>
             );
           })}
@@ -103,6 +108,49 @@ export function Drawing({ known, shown, view }: { known: AppState; shown: ShownL
   );
 }
 
+/** A joint's angle in a view, and which way it bends there. */
+const bendText = (angle: number, view: ViewDirection): string => `${formatFixed(Math.abs(angle), 2)}°${Math.abs(angle) < 0.005 ? "" : (angle < 0) === (view === "side") ? " ↑" : " ↓"}`;
+
+/** An ear's reach from its member's axis and a yoke's length, px; smaller on a telephone. */
+const yokeSize = (width: number): [number, number] => (width < 560 ? [11, 17] : [17, 26]);
+
+/** The two yokes of a joint: a fork where its pin stands in the page, its ear's face where it points out of it. */
+function Yokes(of: { bold: Point[]; k: number; pins: Point[]; p: DrawingScale; c: 1 | 2; last: number; grade: string | undefined }) {
+  const { p, c, k } = of;
+  const [EAR, YOKE] = yokeSize(p.width);
+  const [x, y] = [p.x(of.bold[k + 1]?.[0] ?? 0), p.y(of.bold[k + 1]?.[c] ?? 0)];
+  return (
+    <>
+      {of.pins.map((pin, side) => {
+        const to = of.bold[k + 2 * side] as Point;
+        const turn = (Math.atan2(p.y(to[c]) - y, p.x(to[0]) - x) * 180) / Math.PI;
+        const [seen, faced] = [Math.abs(pin[c]), Math.abs(pin[3 - c] ?? 0)];
+        const [h, face] = [EAR * seen, 0.5 * EAR * faced];
+        const flanged = (k === 0 && side === 0) || (k === of.last && side === 1);
+        return (
+          <g key={side} class={`yoke ${of.grade ?? ""}`} transform={`translate(${x} ${y}) rotate(${turn})`}>
+            {faced > 0.05 && <path d={`M-5 ${-face}H${0.7 * YOKE}L${YOKE} ${-0.6 * face}V${0.6 * face}L${0.7 * YOKE} ${face}H-5Z`} />}
+            {seen > 0.05 && <path d={`M-4 ${h}H${0.6 * YOKE}L${YOKE} ${0.5 * h}V${-0.5 * h}L${0.6 * YOKE} ${-h}H-4V${-0.68 * h}H${0.5 * YOKE}L${0.72 * YOKE} 0L${0.5 * YOKE} ${0.68 * h}H-4Z`} />}
+            {seen > 0.05 && <path class="pin" d={`M0 ${h + 3}V${-h - 3}`} />}
+            {flanged && <path d={`M${YOKE} ${-EAR}h5v${2 * EAR}h-5Z`} />}
+          </g>
+        );
+      })}
+    </>
+  );
+}
+
+/** The frame that bearings hang on, as far as the line stays below it. */
+function FrameLine({ bearings, bold, p }: { bearings: Point[]; bold: Point[]; p: DrawingScale }) {
+  if (!bearings.length) return null;
+  const y = Math.min(...bearings.map((b) => p.y(b[2]))) - 33;
+  const clear = (q: Point): boolean => p.y(q[2]) - 20 > y;
+  const [first, last] = [bearings[0] as Point, bearings[bearings.length - 1] as Point];
+  const ahead = bold.filter((q) => q[0] < first[0] && !clear(q)).at(-1);
+  const behind = bold.find((q) => q[0] > last[0] && !clear(q));
+  return <path class="frame" aria-hidden="true" d={`M${ahead ? p.x(first[0]) - 24 : p.x(bold[0]?.[0] ?? 0)} ${y}H${behind ? p.x(last[0]) + 24 : p.x(bold.at(-1)?.[0] ?? 0)}`} />;
+}
+
 /** How far an obstacle has gone with the axle, mm. */
 function lift(o: Obstacle, shown: ShownLine, known: AppState): number {
   const travel = shown.free ? known.pose?.travel : shown.line.travel[shown.state];
@@ -113,9 +161,9 @@ function Bar({ of, p, c, lift: up, chosen }: { of: Obstacle; p: DrawingScale; c:
   const rise = c === 2 ? up : 0;
   const [x1, x2] = [p.x(of.start[0]), p.x(of.end[0])];
   const [y1, y2] = [p.y(of.start[c] + rise), p.y(of.end[c] + rise)];
-  const [rx, ry] = [Math.max(of.radius * p.scale, 1.5), Math.max(of.radius * p.scale * p.times, 1.5)];
+  const r = Math.max(of.radius * p.scale, 1.5);
   const flat = Math.hypot(x2 - x1, y2 - y1) < 1;
-  return (<g class={`obstacle ${chosen ? "chosen" : ""}`}>{flat ? (<ellipse cx={x1} cy={y1} rx={rx} ry={ry} />) : (<line x1={x1} y1={y1} x2={x2} y2={y2} stroke-width={2 * rx} />)}</g>);
+  return (<g class={`obstacle ${chosen ? "chosen" : ""}`}>{flat ? (<circle cx={x1} cy={y1} r={r} />) : (<line x1={x1} y1={y1} x2={x2} y2={y2} stroke-width={2 * r} />)}</g>);
 }
 
 function Rooms(of: { live: Live; line: Line; clearance: Maybe[][] | undefined; p: DrawingScale; c: 1 | 2; shown: ShownLine; known: AppState; given: Record<string, Maybe | undefined> }) {
@@ -156,14 +204,24 @@ function Bearing(of: { x: number; y: number; n: number; grade: string | undefine
   );
 }
 
-function Dimensions(of: { p: DrawingScale; bold: Point[]; c: 1 | 2; slopes: number[] | undefined; lengths: number[] | undefined }) {
+/** Shares of a member's length at which its slope and length may stand, best first. */
+const DIMENSION_PLACES = [0.5, 0.36, 0.64, 0.24, 0.76, 0.14, 0.86];
+const DIMENSION_HALF_WIDTH = 34;
+
+function Dimensions(of: { p: DrawingScale; bold: Point[]; c: 1 | 2; slopes: number[] | undefined; lengths: number[] | undefined; obstacles: Obstacle[] }) {
   const { p, bold, c } = of;
+  const covers = (o: Obstacle, x: number): boolean => {
+    const [first, last] = [Math.min(o.start[0], o.end[0]) - o.radius, Math.max(o.start[0], o.end[0]) + o.radius].map(p.x) as [number, number];
+    const foot = p.y(Math.min(o.start[c], o.end[c])) + o.radius * p.scale;
+    return foot > p.height - 45 && x + DIMENSION_HALF_WIDTH > first && x - DIMENSION_HALF_WIDTH < last;
+  };
   return (
     <g class="dimensions" aria-hidden="true">
       {bold.slice(0, -1).map((a, k) => {
         const b = bold[k + 1] as Point;
-        const x = (p.x(a[0]) + p.x(b[0])) / 2;
-        const y = (p.y(a[c]) + p.y(b[c])) / 2;
+        const half = Math.abs(p.x(b[0]) - p.x(a[0])) / 2 - DIMENSION_HALF_WIDTH; // what a label may move without reaching its neighbours'
+        const share = DIMENSION_PLACES.find((s) => Math.abs(s - 0.5) * (p.x(b[0]) - p.x(a[0])) <= half && !of.obstacles.some((o) => covers(o, p.x(a[0] + s * (b[0] - a[0]))))) ?? 0.5;
+        const [x, y] = [p.x(a[0] + share * (b[0] - a[0])), p.y(a[c] + share * (b[c] - a[c]))];
         const length = k > 0 && k < bold.length - 2 ? of.lengths?.[k - 1] : undefined;
         const room = Math.abs(p.x(b[0]) - p.x(a[0]));
         return (

@@ -48,12 +48,42 @@ function build(s: Scene3d, shown: ShownLine): void {
     mesh.position.copy(toSceneAxes(at));
     s.group.add(mesh);
   };
+  /** A bar of a rectangular section between two points; `across` is where its first side points. */
+  const bar = (from: THREE.Vector3, to: THREE.Vector3, [wide, high]: [number, number], material: THREE.Material, across?: THREE.Vector3): void => {
+    const way = to.clone().sub(from);
+    const mesh = new THREE.Mesh(new THREE.BoxGeometry(wide, way.length(), high), material);
+    mesh.position.copy(from).addScaledVector(way, 0.5);
+    const along = way.clone().normalize();
+    if (across) mesh.quaternion.setFromRotationMatrix(new THREE.Matrix4().makeBasis(across, along, across.clone().cross(along)));
+    else mesh.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), along);
+    s.group.add(mesh);
+  };
+  /** A yoke: two ears on the ends of a pin, and what joins them on the member's axis. */
+  const yoke = (at: THREE.Vector3, along: THREE.Vector3, pin: THREE.Vector3, wide: number, material: THREE.Material): void => {
+    const spot = (a: number, b: number): THREE.Vector3 => at.clone().addScaledVector(along, a * wide).addScaledVector(pin, b * wide);
+    for (const side of [-0.55, 0.55]) bar(spot(-0.22, side), spot(0.95, side), [0.16 * wide, 0.5 * wide], material, pin);
+    bar(spot(0.8, 0), spot(1.05, 0), [1.26 * wide, 0.62 * wide], material, pin);
+  };
   const all = [laid.ends[0], ...laid.joints, laid.ends[1]];
+  const size = Math.max(80, ...line.tubes.map((d) => d ?? 0));
   all.slice(0, -1).forEach((a, k) => {
     const tube = k > 0 && k < all.length - 2;
-    rod(a, all[k + 1] as Point, (tube ? (line.tubes[k - 1] ?? 60) : 70) / 2, surfaceMaterial(tube ? graded("shaft", k, "--tube") : "--faint"));
+    const b = all[k + 1] as Point;
+    // A tube ends at its yokes.
+    const share = (at: number): number => (laid.pins[at]?.length ? Math.min(0.9 * size / Math.hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]), 0.45) : 0);
+    const between = (u: number): Point => [a[0] + u * (b[0] - a[0]), a[1] + u * (b[1] - a[1]), a[2] + u * (b[2] - a[2])];
+    rod(between(share(k - 1)), between(1 - share(k)), (tube ? (line.tubes[k - 1] ?? 60) : 70) / 2, surfaceMaterial(tube ? graded("shaft", k, "--tube") : "--faint"));
   });
-  laid.joints.forEach((p, k) => ball(p, 0.72 * Math.max(80, ...line.tubes.map((d) => d ?? 0)), surfaceMaterial(graded("joint", k + 1, "--ink"))));
+  laid.joints.forEach((p, k) => {
+    const [driving, driven] = (laid.pins[k] ?? []).map(toSceneAxes);
+    const material = surfaceMaterial(graded("joint", k + 1, "--faint"));
+    if (!driving || !driven) return ball(p, 0.72 * size, material); // a joint without a cross
+    const at = toSceneAxes(p);
+    const away = (to: Point): THREE.Vector3 => toSceneAxes(to).sub(at).normalize();
+    [driving, driven].forEach((pin) => bar(at.clone().addScaledVector(pin, -0.62 * size), at.clone().addScaledVector(pin, 0.62 * size), [0.2 * size, 0.2 * size], surfaceMaterial("--series-1")));
+    yoke(at, away(all[k] as Point), driving, size, material);
+    yoke(at, away(all[k + 2] as Point), driven, size, material);
+  });
   laid.bearings.forEach((p, k) => {
     const along = toSceneAxes(laid.joints[k + 1] as Point).sub(toSceneAxes(laid.joints[k] as Point)).normalize();
     const ring = new THREE.Mesh(new THREE.TorusGeometry(0.75 * (line.tubes[k] ?? 100), 22, 14, 40), surfaceMaterial(graded("centre bearing", k + 1, "--accent")));

@@ -47,6 +47,8 @@ export function Plot(of: Drawn) {
     if (!element) return undefined;
     const axis = { stroke: cssColour("--faint"), grid: { stroke: cssColour("--line"), width: 1 }, ticks: { show: false }, font: "11px system-ui", size: 34 };
     const ticks = (unit: string) => (_: uPlot, values: number[]) => values.map((v) => formatFixed(v, axisDecimals(values)) + unit);
+    // A number at the very end of an axis that leaves nothing free beside it would be cut.
+    const within = ([low, high]: [number, number]) => (u: uPlot, values: number[]) => ticks("")(u, values).map((said, k) => ((values[k] ?? 0) > high - (20 / u.width) * (high - low) ? "" : said));
     plot.current = new uPlot(
       {
         width,
@@ -57,7 +59,7 @@ export function Plot(of: Drawn) {
         pxAlign: 0,
         padding: [8, of.range ? 0 : 18, 0, 0],
         axes: [
-          { ...axis, size: 22, values: ticks("") },
+          { ...axis, size: 22, values: of.range ? within(of.range) : ticks("") },
           { ...axis, size: 44, values: ticks(of.degrees ? "°" : "") },
         ],
         series: [{}, ...of.series.map((s) => ({ stroke: cssColour(`--series-${s.colour}`), width: 1.8, points: { show: false }, ...(s.dash ? { dash: [6, 4] } : {}) }))],

@@ -68,7 +68,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: AppState; shown: Show
   const grade = GRADES[b.grades[force][g]?.[k] ?? -1];
   const cut: Series[] = [
     { name: force === "peak" ? t("largest force") : t("all orders"), values: values[g] ?? [], colour: 0 },
-    ...of.orders.map((n, o) => ({ name: t("order {order}", { order: n }), values: b.orders[o]?.[g] ?? [], colour: o + 1, dash: true })),
+    ...of.orders.map((n, o) => ({ name: t("order {order}", { order: n }), values: b.orders[o]?.[g] ?? [], colour: o + 1, dash: true })).filter((s) => s.values.some((v) => (v ?? 0) > 1e-6 * most)),
   ];
   return (
     <Card id="forces" kind="" title={t("Force on bearings over speed")} note={of.said}>

@@ -12,7 +12,7 @@ const EXAGGERATIONS = [10, 5, 2, 1];
 const LEFT = 26;
 const RIGHT = 26;
 const TOP = 46;
-const BOTTOM = 58;
+const BOTTOM = 74;
 
 export interface DrawingScale {
   readonly width: number;
@@ -35,18 +35,19 @@ export function drawingScale(line: Line, obstacles: Obstacle[], view: ViewDirect
   const length = Math.max(...along) - start || 1;
   const thick = Math.max(60, ...line.tubes.map((d) => d ?? 0));
   const middle = (Math.min(...up) + Math.max(...up)) / 2;
-  const near = obstacles
+  // From above a cross member runs off the page either way.
+  const near = (view === "side" ? obstacles : [])
     .flatMap((o) => [o.start, o.end].map((p) => [p[c] - o.radius, p[c] + o.radius] as const))
     .filter(([a, b]) => Math.abs((a + b) / 2 - middle) < 0.15 * length);
   // What reaches far across is cut at the page's edge: the line is what it is about.
-  const [least, most] = [Math.min(...up) - thick / 2, Math.max(...up) + thick / 2];
+  const [least, most] = [Math.min(...up), Math.max(...up)];
   const beyond = 0.05 * length;
   const low = Math.max(Math.min(least, ...near.map(([a]) => a)), least - beyond) - 20;
   const high = Math.min(Math.max(most, ...near.map(([, b]) => b)), most + beyond) + 20;
   const scale = Math.max(0.01, (width - LEFT - RIGHT) / length);
-  const room = tallest - TOP - BOTTOM;
+  const room = tallest - TOP - BOTTOM - thick * scale; // a tube is as thick whatever offsets are exaggerated by
   const times = EXAGGERATIONS.find((k) => (high - low) * scale * k <= room) ?? 1;
-  const height = Math.max((high - low) * scale * times, 60) + TOP + BOTTOM;
+  const height = Math.max((high - low) * scale * times + thick * scale, 60) + TOP + BOTTOM;
   const spare = (height - TOP - BOTTOM) / (scale * times) - (high - low);
   const floor = low - spare / 2;
   return { width, height, scale, times, x: (v) => LEFT + (v - start) * scale, y: (v) => height - BOTTOM - (v - floor) * scale * times };

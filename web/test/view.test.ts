@@ -6,6 +6,7 @@ const laid = (z: number): Laid => ({
   joints: [[0, 0, 0], [1000, 0, -35], [2000, 10, z]],
   bearings: [[850, 0, -30]],
   ends: [[-140, 0, 10], [2140, 10, z]],
+  pins: [],
 });
 const line = { installed: laid(-100), states: [laid(-200), laid(-50)], tubes: [120, 120] } as unknown as Line;
 const beam: Obstacle = { name: "b", line: "main", radius: 65, share: 1, start: [1500, -500, -277], end: [1500, 500, -277] };

@@ -6,6 +6,8 @@ same order and the same words, because this is all they are made from.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
+import numpy as np
+
 from cardan.approval.approval import Approval
 from cardan.approval.registry import study_registrations
 from cardan.approval.study import DRIVELINE_STUDY_NAME, load_function
@@ -392,14 +394,14 @@ def _change_blocks(
             points=tuple(
                 (
                     failed_check_sentence(one, say, several=several),
-                    tuple(helpful_adjustment_phrases(one, say))
+                    phrases
                     or (
                         part_replacement_advice(
                             one.check, sizes.get((one.check.line, one.check.quantity)), say
                         ),
                     ),
                 )
-                for one in helps
+                for one, phrases in _sensitivities_to_list(helps, say)
             ),
         )
     yield from _other_study_blocks(of.checks, say, several=several)
@@ -413,6 +415,21 @@ def _change_blocks(
                 )
             ),
         )
+
+
+def _sensitivities_to_list(
+    helps: Sequence[CheckSensitivity], say: Translator
+) -> Iterator[tuple[CheckSensitivity, tuple[str, ...]]]:
+    """Yield what helps each check; where nothing helps several parts, the worst of them alone."""
+    without: set[tuple[str, str]] = set()
+    for one in helps:
+        phrases, of = (
+            tuple(helpful_adjustment_phrases(one, say)), (one.check.line, one.check.quantity)
+        )  # fmt: skip
+        if phrases or of not in without:
+            yield one, phrases
+        if not phrases:
+            without.add(of)
 
 
 def _other_study_blocks(
@@ -501,20 +518,31 @@ def _state_tables(r: LineResponse, checks: tuple[Check, ...], say: Translator) -
     states = tuple(say.state(s) for s in r.demand.states)
     graded = _worst_grades(c for c in checks if c.line == r.line.name)
     for section in state_table_sections(r):
+        rows = list(_rows_that_state_something(section.rows, say))
         yield Table(
             caption=say(section.title),
             head=(say("quantity"), say("unit"), *states),
-            rows=tuple(
-                (
-                    row.label(say).replace("  ", "\u2003"),
-                    row.unit,
-                    *row.value_texts(say),
-                )
-                for row in section.rows
-            ),
+            rows=tuple((name, row.unit, *row.value_texts(say)) for name, row in rows),
             words=2,
-            grades=tuple(("", "", *_row_grades(row, graded, r)) for row in section.rows),
+            grades=tuple(("", "", *_row_grades(row, graded, r)) for _, row in rows),
         )
+
+
+def _rows_that_state_something(
+    rows: Iterable[StateTableRow], say: Translator
+) -> Iterator[tuple[str, StateTableRow]]:
+    """Yield rows with their labels; an approximation of an unknown value is named in full."""
+    head = ""
+    for row in rows:
+        label = row.label(say)
+        if row.method:
+            yield (f"{head} {label.strip()}" if head else label.replace("  ", "\u2003")), row
+            head = ""
+        elif np.isnan(row.values).all():
+            head = label
+        else:
+            yield label, row
+            head = ""
 
 
 def _worst_grades(checks: Iterable[Check]) -> dict[tuple[str, Part, str], CheckGrade]:

@@ -62,7 +62,7 @@ _ENTRIES_BY_TABLE: dict[str, tuple[str, ...]] = {
     ),
     "driveline.shafts.tube": _SIZES,
     "driveline.shafts.centre_bearing": _BEARING,
-    "states": ("name", "load", "travel", "pitch", "torque", "speed"),
+    "states": ("name", "kind", "load", "travel", "pitch", "torque", "speed"),
     "obstacles": ("name", "start", "end", "radius", "diameter", "travel_share"),
     "duty": ("share", "torque", "speed", "angle"),
     "limits": ("profile", *_LIMIT),
@@ -340,10 +340,11 @@ def _state(s: VehicleState, say: Translator) -> str:
         ("speed", s.speed, rpm, "rpm"),
     )
     said = [f"{say(n)} {_quantity_text(v, u, w, say)}" for n, v, u, w in rows if v is not None]
+    kind = [say.state(s.kind)] if s.kind and s.kind != s.name else []
     placed = [say("placed by the suspension")] if s.kind else []
     own = [say("own geometry")] if s.layouts else []
     load = [say("load {name}", name=say.state(s.load))] if s.load else []
-    return "; ".join([*placed, *load, *said, *own])
+    return "; ".join([*kind, *placed, *load, *said, *own])
 
 
 def _obstacles(a: Application, say: Translator) -> Iterator[tuple[str, str]]:

@@ -7,7 +7,6 @@ above (rear to the right, the vehicle's right up), end views looking forward fro
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -18,16 +17,21 @@ from cardan.core.labels import Part
 from cardan.core.units import deg, mm
 from cardan.core.verdict import Check, worst_first_key
 from cardan.documents import driveline_symbols as symbols
+from cardan.documents.yoke_phasing_drawing import yoke_phasing_drawing
 from cardan.model.application import Obstacle
 from cardan.model.layout import Layout
+from cardan.model.parts import CentreBearing
 from cardan.physics.kinematics.equivalent_angle import ae7_phasor_terms
 from cardan.physics.kinematics.joint_chain import joint_angles
 from cardan.render import svg
 from cardan.render.chart import Chart, DataSeries
+from cardan.render.fonts import truncate
 from cardan.render.i18n import Translator
+from cardan.render.label_placement import Box, LabelPlacer, bar_boxes, text_box
 from cardan.render.phrases import check_state_phrase
 from cardan.render.svg import (
     GRID_COLOUR,
+    HALO,
     SECONDARY_COLOUR,
     SERIES_COLOURS,
     TEXT_COLOUR,
@@ -36,21 +40,27 @@ from cardan.render.svg import (
 )
 from cardan.topics.design.suspension_travel import line_at_operating_point
 
-DRAWING_WIDTH_PX = 1040.0
-MARGIN_LEFT_PX, MARGIN_RIGHT_PX, MARGIN_TOP_PX, MARGIN_BOTTOM_PX = 24.0, 170.0, 30.0, 46.0
-MAX_VIEW_HEIGHT_PX = 330.0
+DRAWING_WIDTH_PX = 780.0
+"""On a page of A4 letters of 11 px are then 7 pt high."""
+MARGIN_LEFT_PX, MARGIN_RIGHT_PX, MARGIN_TOP_PX, MARGIN_BOTTOM_PX = 24.0, 160.0, 24.0, 46.0
+MAX_VIEW_HEIGHT_PX = 250.0
 """Height a view may take, pixels; what is left of it is used to exaggerate."""
 
 VERTICAL_EXAGGERATIONS = (10, 5, 2, 1)
+MAX_THICKNESS_PX = 46.0
+"""How thick the thickest tube may be drawn: a short line is drawn shorter than the page."""
 DEFAULT_THICKNESS_M = 0.05
 """How thick a member is drawn whose tube is not known."""
 LABEL_DROP_PX = 34.0
-HALO: dict[str, Any] = {"stroke": "#ffffff", "stroke_width": 3.0, "paint_order": "stroke"}
-"""What lets a label be read over lines."""
+TUBE_GAP_PX = 6.0
+MEASURE_PLACES = (0.5, 0.38, 0.62, 0.26, 0.74, 0.14, 0.86)
+"""Shares of a member's length at which its slope and length may stand, best first."""
 LEAST_OFFSET_M = 5e-4
 """How far a line must be from straight in a view to be worth drawing in it."""
 LEAST_TURN = 5e-5
 """Angle, rad, from which a joint is drawn as bending up or down: what three digits show."""
+MAX_STATE_CHARACTERS = 22
+"""Of the names of states at a pinion: what has room in the margin."""
 END_STUB_TO_LINE_LENGTH_RATIO = 0.07
 """Length of the gearbox and pinion stubs drawn, over that of the line."""
 
@@ -106,8 +116,7 @@ def side_view_in_state(
     layout, c = response.layout[s], UPWARD_AXIS_INDEX_BY_VIEW["side"]
     rise = float(np.broadcast_to(response.demand.travel, response.joint_angles.shape[:-1])[s])
     there = tuple(_obstacle_at_travel(o, rise) for o in response.inputs.obstacles)
-    thick = max(t.tube.outer if t.tube else 0.05 for t in response.line.shafts)
-    page = _view_scale(layout, layout, there, c, thick=thick, exaggerations=(1,))
+    page = _view_scale(response, layout, layout, there, c, exaggerations=(1,))
     angles = np.diff(layout.side)
     state = check_state_phrase(at, say) if at else say.state(response.demand.states[s])
     title = say("The line ({state}) from the left, true to scale", state=state)
@@ -117,13 +126,15 @@ def side_view_in_state(
         for k, a in enumerate(true, 1)
     )
     room = response.clearances.obstacle_clearances[s].min(axis=0) if there else ()
+    said = [_clearance_text(o, float(free), at, say) for o, free in zip(there, room, strict=True)]
+    labels = _labels(response, layout, page, there, c)
+    joints = list(_joint_labels(layout, page, labels, c, true, angles, say))
     drawn = [
-        *(
-            _bar(o, page, c, _clearance_text(o, float(free), at, say))
-            for o, free in zip(there, room, strict=True)
-        ),
-        *_line(response, layout, page, "side", layout.side, say),
-        *_joint_labels(layout, page, c, true, angles, say),
+        *(_obstacle_bar(o, page, c) for o in there),
+        *_line(response, layout, page, "side", say),
+        *_measures(layout, page, labels, "side", say),
+        *joints,
+        *_obstacle_labels(there, said, page, labels, c),
         *_scale_bar(page, say),
     ]
     note = _operating_angle_note(response, say)
@@ -193,12 +204,10 @@ def side_or_top_view_drawing(response: LineResponse, say: Translator, *, name: s
     """Return the `side` or `top` view: as installed, the states behind it, what is in the way."""
     reference, layout = response.demand.installed.layout, response.layout
     c = UPWARD_AXIS_INDEX_BY_VIEW[name]
-    thick = max(s.tube.outer if s.tube else 0.05 for s in response.line.shafts)
-    page = _view_scale(
-        reference, layout, response.inputs.obstacles if name == "side" else (), c, thick=thick
-    )
-    slopes = reference.side if name == "side" else reference.top
+    obstacles = response.inputs.obstacles
+    page = _view_scale(response, reference, layout, obstacles if name == "side" else (), c)
     is_side = name == "side"
+    slopes = reference.side if is_side else reference.top
     angles = np.diff(slopes) if is_side else -np.diff(slopes)  # down the page is positive
     shown = joint_angles(reference.directions) if is_side else np.abs(angles)
     title = say("Side view, from the left") if is_side else say("Top view")
@@ -210,11 +219,18 @@ def side_or_top_view_drawing(response: LineResponse, say: Translator, *, name: s
         f"{say.part(Part('joint', k))}: {say.compact_number(a / deg, 3)} deg"
         for k, a in enumerate(shown, 1)
     )
+    labels = _labels(response, reference, page, obstacles, c)
+    moves = float(np.abs(layout.points - reference.points).max()) > LEAST_OFFSET_M
+    if moves:
+        _take_state_lines(labels, layout, page, c)
+    joints = list(_joint_labels(reference, page, labels, c, shown, angles, say))
     drawn = [
-        *(_obstacle(o, page, c, say, response) for o in response.inputs.obstacles),
-        *_states(response, page, c, say),
-        *_line(response, reference, page, name, slopes, say),
-        *_joint_labels(reference, page, c, shown, angles, say),
+        *(_obstacle_bar(o, page, c) for o in obstacles),
+        *(_states(response, page, c, say) if moves else ()),
+        *_line(response, reference, page, name, say),
+        *_measures(reference, page, labels, name, say),
+        *joints,
+        *_obstacle_labels(obstacles, _least_clearance_texts(response, say), page, labels, c),
         *_scale_bar(page, say),
     ]
     bend = (
@@ -223,7 +239,8 @@ def side_or_top_view_drawing(response: LineResponse, say: Translator, *, name: s
         else say("At each joint its angle in this view, on each shaft its slope and length.")
     )  # fmt: skip
     note = " ".join((
-        say("Bold: as installed. Light: the states, named at the pinion."), bend,
+        *((say("Bold: as installed. Light: the states, named at the pinion."),) if moves else ()),
+        bend,
         *((say("Offsets are exaggerated, tubes are not."),) if page.exaggeration > 1 else ()),
     ))  # fmt: skip
     return Figure(
@@ -235,15 +252,16 @@ def side_or_top_view_drawing(response: LineResponse, say: Translator, *, name: s
 
 
 def _view_scale(
+    response: LineResponse,
     reference: Layout,
     layout: Layout,
     obstacles: tuple[Obstacle, ...],
     c: int,
     *,
-    thick: float,
     exaggerations: Sequence[int] = VERTICAL_EXAGGERATIONS,
 ) -> _ViewScale:
     """Return the scales of a view in which everything has room."""
+    thick = max(s.tube.outer if s.tube else DEFAULT_THICKNESS_M for s in response.line.shafts)
     points = np.concatenate(
         [reference.points[None], layout.points.reshape(-1, *reference.points.shape)]
     )
@@ -255,17 +273,25 @@ def _view_scale(
         for p in (o.start, o.end)
         if abs(p[c] - up.mean()) < 0.3 * length
     ]
-    low = min([float(up.min()) - thick / 2, *(a for a, _ in near)]) - 0.02
-    high = max([float(up.max()) + thick / 2, *(b for _, b in near)]) + 0.02
-    scale = (DRAWING_WIDTH_PX - MARGIN_LEFT_PX - MARGIN_RIGHT_PX) / (
-        length * (1 + 2 * END_STUB_TO_LINE_LENGTH_RATIO)
+    low = min([float(up.min()), *(a for a, _ in near)])
+    high = max([float(up.max()), *(b for _, b in near)])
+    scale = min(
+        (DRAWING_WIDTH_PX - MARGIN_LEFT_PX - MARGIN_RIGHT_PX)
+        / (length * (1 + 2 * END_STUB_TO_LINE_LENGTH_RATIO)),
+        MAX_THICKNESS_PX / thick,
     )
-    times = next((k for k in exaggerations if (high - low) * scale * k <= MAX_VIEW_HEIGHT_PX), 1)
-    height = max((high - low) * scale * times, 60.0) + MARGIN_TOP_PX + MARGIN_BOTTOM_PX + 40
-    spare = (height - MARGIN_TOP_PX - MARGIN_BOTTOM_PX) / (scale * times) - (high - low)
+    # Tubes are as thick whatever the offsets are exaggerated by.
+    around = thick * scale + 2 * TUBE_GAP_PX
+    times = next(
+        (k for k in exaggerations if (high - low) * scale * k + around <= MAX_VIEW_HEIGHT_PX), 1
+    )
+    hangs = c == UPWARD_AXIS_INDEX_BY_VIEW["side"] and bool(_hung_bearings(response))
+    top = MARGIN_TOP_PX + (symbols.FRAME_GAP_PX if hangs else 0.0)
+    tall = (high - low) * scale * times + around + LABEL_DROP_PX
+    height = tall + top + MARGIN_BOTTOM_PX
     return _ViewScale(
         start=float(along.min()) - END_STUB_TO_LINE_LENGTH_RATIO * length,
-        low=low - spare / 2,
+        low=low - (around / 2 + LABEL_DROP_PX) / (scale * times),
         scale=scale,
         exaggeration=times,
         height=height,
@@ -296,11 +322,10 @@ def _states(response: LineResponse, page: _ViewScale, c: int, say: Translator) -
     for (x, y), said in sorted(ends.items(), key=lambda e: e[0][1]):
         place = max(y, place + 13)
         shown = ", ".join(said) if len(said) < 3 else f"{said[0]}, {said[1]} …"
-        shown = shown if len(shown) < 27 else shown[:26] + "…"
         yield svg.path(
-            [x + 2, x + 14, x + 18], [y, place, place], stroke=SECONDARY_COLOUR, stroke_width=0.6
+            [x + 2, x + 36, x + 40], [y, place, place], stroke=SECONDARY_COLOUR, stroke_width=0.6
         )
-        yield svg.text(x + 21, place + 3.5, shown, font_size=10.5)
+        yield svg.text(x + 43, place + 3.5, truncate(shown, MAX_STATE_CHARACTERS), font_size=10.5)
 
 
 def _axis(page: _ViewScale, layout: Layout, c: int) -> tuple[FloatArray, FloatArray]:
@@ -323,10 +348,9 @@ def _line(
     layout: Layout,
     page: _ViewScale,
     name: str,
-    slopes: FloatArray,
     say: Translator,
 ) -> Iterator[str]:
-    """Yield a line with its parts, slopes, lengths and operating angles."""
+    """Yield a line with its parts and operating angles."""
     c = UPWARD_AXIS_INDEX_BY_VIEW[name]
     points, along = _axis(page, layout, c)
     kinds, last = response.line.joint_kinds, len(points) - 1
@@ -355,20 +379,72 @@ def _line(
             )
         yield from symbols.joint_centre(points[k], along[k], kind, half_height=ear)
         pin += np.pi / 2 + (response.line.shafts[k - 1].phase if k < len(kinds) else 0.0)
-    yield from _measures(points, slopes, layout.lengths / mm, page, say)
 
 
 def _measures(
-    points: FloatArray, slopes: FloatArray, lengths: FloatArray, page: _ViewScale, say: Translator
+    layout: Layout, page: _ViewScale, labels: LabelPlacer, name: str, say: Translator
 ) -> Iterator[str]:
-    """Yield each member's slope and length below the line."""
+    """Yield each member's slope and length below the line, off what an obstacle covers."""
+    points, _ = _axis(page, layout, UPWARD_AXIS_INDEX_BY_VIEW[name])
+    slopes = layout.side if name == "side" else layout.top
+    y = page.height - 26
     for k, slope in enumerate(slopes):
-        x, y = (points[k] + points[k + 1]) / 2
         said = f"{say.compact_number(slope / deg, 3)}°"
         if 0 < k < len(slopes) - 1:
-            said += f" · {say.compact_number(lengths[k - 1], 4)} mm"
-        yield svg.text(x, page.height - 26, said, anchor="middle", font_size=11)
-        yield svg.line(x, y, x, page.height - 37, stroke=GRID_COLOUR, stroke_width=0.8)
+            said += f" · {say.compact_number(layout.lengths[k - 1] / mm, 4)} mm"
+        places = [points[k] + s * (points[k + 1] - points[k]) for s in MEASURE_PLACES]
+        boxes = [text_box(p[0], y, (said,), font_size=11, anchor="middle") for p in places]
+        at = places[labels.place(boxes)]
+        yield svg.line(*at, at[0], y - 11, stroke=GRID_COLOUR, stroke_width=0.8)
+        yield svg.text(at[0], y, said, anchor="middle", font_size=11, **HALO)
+
+
+def _labels(
+    response: LineResponse,
+    layout: Layout,
+    page: _ViewScale,
+    obstacles: Iterable[Obstacle],
+    c: int,
+) -> LabelPlacer:
+    """Return the page of a view with what its parts and obstacles take of it."""
+    points, _ = _axis(page, layout, c)
+    labels = LabelPlacer(Box(0.0, 0.0, DRAWING_WIDTH_PX, page.height))
+    ear = 2 * symbols.EAR_HALF_HEIGHTS_PX[0]
+    for k in range(len(points) - 1):
+        thick = max(_thickness(response, k, page), ear)
+        labels.taken += bar_boxes(points[k], points[k + 1], thick)
+    for o in obstacles:
+        start, end = (np.array([page.x(p[0]), page.y(p[c])]) for p in (o.start, o.end))
+        labels.taken += bar_boxes(start, end, _obstacle_width(o, page))
+    return labels
+
+
+def _take_state_lines(labels: LabelPlacer, layout: Layout, page: _ViewScale, c: int) -> None:
+    """Keep labels off the light lines of the states."""
+    for ends in _ends(layout):
+        points = np.array([(page.x(p[0]), page.y(p[c])) for p in ends])
+        for a, b in pairwise(points):
+            labels.taken += bar_boxes(a, b, 2.0)
+
+
+def _hung_bearings(response: LineResponse) -> list[tuple[int, CentreBearing]]:
+    """Return the centre bearings with the indices of their shafts."""
+    return [
+        (k, shaft.centre_bearing)
+        for k, shaft in enumerate(response.line.shafts[:-1])
+        if shaft.centre_bearing
+    ]
+
+
+def _span_above(axis: FloatArray, y: float, around: FloatArray) -> tuple[float, float]:
+    """Return from where to where a line (n, 2) px stays below a height, around places (k,)."""
+    x = np.linspace(axis[0, 0], axis[-1, 0], 200)
+    clear = np.interp(x, axis[:, 0], axis[:, 1]) >= y
+    ahead = x[~clear & (x < around.min())]
+    behind = x[~clear & (x > around.max())]
+    return (
+        float(ahead.max() if len(ahead) else x[0]), float(behind.min() if len(behind) else x[-1])
+    )  # fmt: skip
 
 
 def _bearings(
@@ -376,11 +452,7 @@ def _bearings(
 ) -> Iterator[str]:
     """Yield the centre bearings, hung on the frame."""
     c = UPWARD_AXIS_INDEX_BY_VIEW[name]
-    hung = [
-        (k, shaft.centre_bearing)
-        for k, shaft in enumerate(response.line.shafts[:-1])
-        if shaft.centre_bearing
-    ]
+    hung = _hung_bearings(response)
     if not hung:
         return
     at = np.array([
@@ -390,10 +462,11 @@ def _bearings(
     places = np.array([(page.x(p[0]), page.y(p[c])) for p in at])
     thick = [_thickness(response, k + 1, page) for k, _ in hung]
     top = float(min(y - t / 2 for (_, y), t in zip(places, thick, strict=True)))
-    frame_y = max(top - symbols.FRAME_GAP_PX, 18.0) if name == "side" else None
+    frame_y = top - symbols.FRAME_GAP_PX if name == "side" else None
     if frame_y is not None:
-        ends = page.x(page.start), DRAWING_WIDTH_PX - MARGIN_RIGHT_PX
-        yield from symbols.frame(*ends, frame_y, say("frame"))
+        axis, _ = _axis(page, layout, c)
+        start, end = _span_above(axis, frame_y + max(thick) / 2 + 8, places[:, 0])
+        yield from symbols.frame(start, end, frame_y, say("frame"))
     for (k, bearing), place, t in zip(hung, places, thick, strict=True):
         yield from symbols.centre_bearing(
             place, t, frame_y=frame_y, is_on_rubber=bool(bearing.stiffness)
@@ -408,6 +481,7 @@ def _bearings(
 def _joint_labels(
     layout: Layout,
     page: _ViewScale,
+    labels: LabelPlacer,
     c: int,
     angles: FloatArray,
     turns: FloatArray,
@@ -415,48 +489,87 @@ def _joint_labels(
 ) -> Iterator[str]:
     """Yield the joints' numbers and angles, with the way each bends up or down the page."""
     for k, (p, angle, turn) in enumerate(zip(layout.points, angles, turns, strict=True), 1):
-        x, y = page.x(p[0]), page.y(p[c]) + LABEL_DROP_PX
-        yield svg.circle(x - 14, y, 9, fill="#ffffff", stroke=TEXT_COLOUR, stroke_width=1.2)
-        yield svg.text(x - 14, y + 4, str(k), anchor="middle", font_size=11, font_weight="bold")
         way = "" if abs(turn) < LEAST_TURN else " ↑" if turn < 0 else " ↓"
         said = f"{say.compact_number(angle / deg, 3)}°{way}"
-        yield svg.text(x, y + 4, said, font_weight="bold", **HALO)
+        x, y = page.x(p[0]), page.y(p[c])
+        places = [
+            (x + right, y + drop)
+            for drop in (LABEL_DROP_PX, -LABEL_DROP_PX, 1.5 * LABEL_DROP_PX, -1.5 * LABEL_DROP_PX)
+            for right in (0.0, 18.0, -24.0)
+        ]
+        a, b = places[labels.place([_joint_label_box(*q, said) for q in places])]
+        yield svg.circle(a - 14, b, 9, fill="#ffffff", stroke=TEXT_COLOUR, stroke_width=1.2)
+        yield svg.text(a - 14, b + 4, str(k), anchor="middle", font_size=11, font_weight="bold")
+        yield svg.text(a, b + 4, said, font_weight="bold", **HALO)
 
 
-def _obstacle(
-    o: Obstacle, page: _ViewScale, c: int, say: Translator, response: LineResponse
-) -> str:
-    """Return an obstacle with the least room that any state leaves it."""
-    k = response.inputs.obstacles.index(o)
-    free = response.clearances.obstacle_clearances[..., k].min(-1)
-    s = int(np.argmin(free))
-    least = say(
-        "{room} mm in {state}",
-        room=say.compact_number(free[s] / mm, 4),
-        state=say.state(response.demand.states[s]),
-    )
-    return _bar(o, page, c, least)
+def _joint_label_box(x: float, y: float, said: str) -> Box:
+    """Return the rectangle of a joint's number in its circle and its angle to the right."""
+    text = text_box(x, y + 4, (said,), font_size=12)
+    return Box(x - 24, y - 10, text.right, y + 10)
 
 
-def _bar(o: Obstacle, page: _ViewScale, c: int, said: str) -> str:
-    """Return an obstacle with words next to its name."""
+def _least_clearance_texts(response: LineResponse, say: Translator) -> list[str]:
+    """Return the least room that any state leaves each obstacle."""
+    said: list[str] = []
+    for k in range(len(response.inputs.obstacles)):
+        free = response.clearances.obstacle_clearances[..., k].min(-1)
+        s = int(np.argmin(free))
+        said.append(
+            say(
+                "{room} mm in {state}",
+                room=say.compact_number(free[s] / mm, 4),
+                state=say.state(response.demand.states[s]),
+            )
+        )
+    return said
+
+
+def _obstacle_width(o: Obstacle, page: _ViewScale) -> float:
+    return max(2 * o.radius * page.scale, 3.0)
+
+
+def _obstacle_bar(o: Obstacle, page: _ViewScale, c: int) -> str:
+    """Return an obstacle."""
     (x1, y1), (x2, y2) = ((p[0], p[c]) for p in (o.start, o.end))
-    bar = svg.path(
+    return svg.path(
         [page.x(x1), page.x(x2) + 0.01],
         [page.y(y1), page.y(y2)],
         stroke="#c08a5a",
-        stroke_width=max(2 * o.radius * page.scale, 3.0),
+        stroke_width=_obstacle_width(o, page),
         stroke_linecap="round",
         stroke_opacity=0.55,
     )
-    # Next to it, and inside the page where it reaches beyond.
-    x = page.x(max(x1, x2) + o.radius) + 6
-    y = float(np.clip(page.y((y1 + y2) / 2), MARGIN_TOP_PX, page.height - MARGIN_BOTTOM_PX))
-    return (
-        bar
-        + svg.text(x, y - 2, o.name, font_size=10.5, fill="#7a4a1c")
-        + svg.text(x, y + 11, said, font_size=10.5, fill="#7a4a1c")
-    )
+
+
+def _obstacle_labels(
+    obstacles: Sequence[Obstacle],
+    said: Sequence[str],
+    page: _ViewScale,
+    labels: LabelPlacer,
+    c: int,
+) -> Iterator[str]:
+    """Yield each obstacle's name with a text below it, next to it where nothing else stands."""
+    for o, words in zip(obstacles, said, strict=True):
+        half = _obstacle_width(o, page) / 2
+        along = [page.x(p[0]) for p in (o.start, o.end)]
+        across = np.clip([page.y(p[c]) for p in (o.start, o.end)], 0.0, page.height)
+        middle, lines = float(across.mean()), (o.name, words)
+        heights = sorted(
+            np.linspace(across.min() - half, across.max() + half, 24),
+            key=lambda y: abs(y - middle),
+        )
+        right, left = max(along) + half + 6, min(along) - half - 6
+        places = [(x, float(y), anchor) for y in heights
+                  for x, anchor in ((right, "start"), (left, "end"))]  # fmt: skip
+        places += [(float(np.mean(along)), y, "middle")
+                   for y in (across.max() + half + 14, across.min() - half - 18)]  # fmt: skip
+        boxes = [text_box(x, y, lines, font_size=10.5, anchor=a) for x, y, a in places]
+        x, y, anchor = places[labels.place(boxes)]
+        for k, line in enumerate(lines):
+            yield svg.text(
+                x, y + 13 * k, line, anchor=anchor, font_size=10.5, fill="#7a4a1c", **HALO
+            )
 
 
 def _scale_bar(page: _ViewScale, say: Translator) -> Iterator[str]:
@@ -469,124 +582,6 @@ def _scale_bar(page: _ViewScale, say: Translator) -> Iterator[str]:
     if page.exaggeration > 1:
         said += "  (" + say("along the line; {times}:1 across", times=page.exaggeration) + ")"
     yield svg.text(x2 + 6, y, said, font_size=10.5, fill=SECONDARY_COLOUR)
-
-
-def yoke_phasing_drawing(response: LineResponse, say: Translator) -> Figure:
-    """Return how the yokes of each shaft stand to each other, for assembly."""
-    shafts = response.line.shafts
-    each = 300.0
-    drawn: list[str] = []
-    words: list[str] = []
-    for k, shaft in enumerate(shafts):
-        x = 10 + (k % 3) * (each + 20)
-        y = 20 + (k // 3) * 190
-        said = _phase_text(shaft.phase, say)
-        words.append(f"{say.part(Part('shaft', k + 1))}: {said}")
-        drawn += [
-            svg.text(x, y, f"{say.part(Part('shaft', k + 1))}: {said}", font_weight="bold"),
-            *_yoke_shapes(x, y + 55, each, shaft.phase),
-            *_pin_axes_dial(x + each / 2, y + 128, shaft.phase, say),
-        ]
-    columns, rows = min(len(shafts), 3), -(-len(shafts) // 3)
-    alt = say("Yoke phasing") + ". " + "; ".join(words)
-    note = say(
-        "Pin axis: the axis of a yoke's two ears. Dial: front yoke (solid) and rear yoke (dashed) "
-        "of the shaft seen from the gearbox, looking rearward; a positive phase turns the rear "
-        "yoke clockwise."
-    )
-    height = 20 + 190.0 * rows
-    return Figure(
-        title=say("Yoke phasing"),
-        svg=svg.svg_document(20 + columns * (each + 20), height, *drawn, alt=alt),
-        alt=alt,
-        note=note,
-    )
-
-
-def _phase_text(phase: float, say: Translator) -> str:
-    """Return a phase in words, with its angle where it is an odd one."""
-    turned = round(phase / deg, 6) % 180
-    if turned in (0, 180):
-        return say("in phase (0°)")
-    if turned == 90:
-        return say("90° out of phase")
-    return say("turned {angle} deg", angle=say.compact_number(phase / deg, 4))
-
-
-def _yoke_shapes(x: float, y: float, wide: float, phase: float) -> Iterator[str]:
-    """Yield a shaft from the side, its front yoke's ears up and down."""
-    ear, tube = 17.0, 9.0
-    a, b = x + 46, x + wide - 46
-    yield svg.rect(
-        a, y - tube, b - a, 2 * tube, fill="#e3eaf1", stroke=TEXT_COLOUR, stroke_width=1.4
-    )
-    for end, way, turned in ((a, -1.0, 0.0), (b, 1.0, phase)):
-        up, out = abs(np.cos(turned)), abs(np.sin(turned))
-        tip = end + way * 40
-        if up > 0.05:
-            for side in (-1, 1):
-                yield svg.path(
-                    [end, end + way * 12, tip, tip, end + way * 16, end],
-                    [
-                        y,
-                        y + side * ear * up,
-                        y + side * ear * up,
-                        y + side * (ear * up - 6 * up),
-                        y + side * (ear * up - 6 * up),
-                        y,
-                    ],
-                    close=True,
-                    fill="#9db4c8",
-                    stroke=TEXT_COLOUR,
-                    stroke_width=1.2,
-                )
-            yield svg.line(
-                tip - way * 8,
-                y - ear * up - 5,
-                tip - way * 8,
-                y + ear * up + 5,
-                stroke=SERIES_COLOURS[1],
-                stroke_width=1.2,
-                stroke_dasharray="5 2 1 2",
-            )
-        if out > 0.05:
-            yield svg.path(
-                [end, tip, tip, end],
-                [y - 9 * out, y - 9 * out, y + 9 * out, y + 9 * out],
-                close=True,
-                fill="#9db4c8",
-                stroke=TEXT_COLOUR,
-                stroke_width=1.2,
-            )
-            yield svg.circle(
-                tip - way * 10,
-                y,
-                6 * out,
-                fill="#ffffff",
-                stroke=SERIES_COLOURS[1],
-                stroke_width=1.4,
-            )
-
-
-def _pin_axes_dial(x: float, y: float, phase: float, say: Translator) -> Iterator[str]:
-    """Yield the two pin axes seen from the gearbox; right-handed about the shaft is clockwise."""
-    r = 34.0
-    yield svg.circle(x, y, r, fill="none", stroke=SECONDARY_COLOUR)
-    yield svg.line(x, y - r - 5, x, y + r + 5, stroke=SERIES_COLOURS[0], stroke_width=3)
-    sx, sy = (r + 5) * np.sin(phase), -(r + 5) * np.cos(phase)
-    yield svg.line(
-        x - sx,
-        y - sy,
-        x + sx,
-        y + sy,
-        stroke=SERIES_COLOURS[1],
-        stroke_width=3,
-        stroke_dasharray="6 4",
-    )
-    yield svg.text(
-        x - r - 14, y + 4, say("front yoke"), anchor="end", font_size=11, fill=SERIES_COLOURS[0]
-    )
-    yield svg.text(x + r + 14, y + 4, say("rear yoke"), font_size=11, fill=SERIES_COLOURS[1])
 
 
 def joint_plane_drawing(response: LineResponse, say: Translator) -> Figure:

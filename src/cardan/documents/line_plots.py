@@ -33,7 +33,14 @@ from cardan.render.chart import (
 )
 from cardan.render.i18n import Translator
 from cardan.render.phrases import torque_curve_name
-from cardan.render.svg import SECONDARY_COLOUR, SERIES_COLOURS, TEXT_COLOUR, VERDICT_COLOURS, Figure
+from cardan.render.svg import (
+    HALO,
+    SECONDARY_COLOUR,
+    SERIES_COLOURS,
+    TEXT_COLOUR,
+    VERDICT_COLOURS,
+    Figure,
+)
 
 CURVE_POINTS_PER_TURN = 181
 """Points of a turn that a curve is drawn through."""
@@ -411,6 +418,7 @@ def critical_speed_plot(r: LineResponse, say: Translator) -> Figure:
                 py - 13,
                 f"{name}: {say.number(n)} rpm",
                 font_size=11,
+                **HALO,
             )
         )
     title = say("Critical speeds and the speed range")

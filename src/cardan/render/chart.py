@@ -4,8 +4,9 @@ A report is made in a second and holds twenty of them; a plotting library needs 
 start than all of them take to write.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from math import ceil, floor, log10
 
 import numpy as np
@@ -14,8 +15,10 @@ from cardan.core.arrays import FloatArray
 from cardan.core.verdict import Limit
 from cardan.render import svg
 from cardan.render.i18n import Translator
+from cardan.render.label_placement import Box, LabelPlacer, bar_boxes, text_box
 from cardan.render.svg import (
     GRID_COLOUR,
+    HALO,
     SECONDARY_COLOUR,
     SERIES_COLOURS,
     SERIES_DASHES,
@@ -26,6 +29,9 @@ from cardan.render.svg import (
 
 CHART_WIDTH_PX, CHART_HEIGHT_PX = 540.0, 330.0
 MARGIN_LEFT_PX, MARGIN_RIGHT_PX, MARGIN_TOP_PX, MARGIN_BOTTOM_PX = 66.0, 16.0, 14.0, 44.0
+
+MAX_CURVE_POINTS_TO_AVOID = 400
+"""Points of a curve that labels keep off."""
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -141,11 +147,14 @@ class Chart:
     """Whether values along the axis are given as logarithms to ten; its numbers are of them."""
     _drawn: list[str] = field(default_factory=list[str])
     _legend: list[tuple[str, str]] = field(default_factory=list[tuple[str, str]])
-    _named: list[tuple[float, float, float]] = field(
-        default_factory=list[tuple[float, float, float]]
+    _labels: LabelPlacer = field(init=False)
+    _level_names: list[tuple[str, float, float, str]] = field(
+        default_factory=list[tuple[str, float, float, str]]
     )
 
     def __post_init__(self) -> None:
+        right, bottom = self.width - MARGIN_RIGHT_PX, self.height - MARGIN_BOTTOM_PX
+        self._labels = LabelPlacer(Box(MARGIN_LEFT_PX, MARGIN_TOP_PX, right, bottom))
         if self.equal_aspect:  # grow the axis that has room, so that circles stay round
             wide, high = (
                 self.width - MARGIN_LEFT_PX - MARGIN_RIGHT_PX,
@@ -192,12 +201,17 @@ class Chart:
         self.add_elements(svg.rect(x1, y1, x2 - x1, y2 - y1, fill=colour, fill_opacity=0.13))
         edge = {"stroke": colour, "stroke_width": 1, "stroke_dasharray": "4 3"}
         x, y = (x2, y2) if band.line_at_high_end else (x1, y1)
+        if band.axis == "y":
+            self._labels.taken.append(Box(x1, y - 0.6, x2, y + 0.6))
         self.add_elements(
             svg.line(x, y1, x, y2, **edge) if band.axis == "x" else svg.line(x1, y, x2, y, **edge)
         )
 
     def add_reference_line(self, level: ReferenceLine, *, above: float = 4) -> None:
-        """Draw a line across at a value, with its name at the right end, so far above it."""
+        """Draw a line across at a value, with its name at the right end, so far above it.
+
+        Or below it, or further left: the name is placed once everything else is.
+        """
         x1, y = self.point_to_pixels(self.x[0], level.value)
         if not MARGIN_TOP_PX - 1 <= y <= self.height - MARGIN_BOTTOM_PX + 1:
             return
@@ -206,9 +220,20 @@ class Chart:
         self.add_elements(
             svg.line(x1, y, x2, y, stroke=colour, stroke_width=1.2, stroke_dasharray="6 3")
         )
-        self.add_elements(
-            svg.text(x2 - 4, y - above, level.name, anchor="end", font_size=11, fill=colour)
-        )
+        self._labels.taken.append(Box(x1, y - 0.6, x2, y + 0.6))
+        self._level_names.append((level.name, y, above, colour))
+
+    def _placed_level_names(self) -> Iterator[str]:
+        right = self.width - MARGIN_RIGHT_PX - 4
+        for name, y, above, colour in self._level_names:
+            spots = [
+                (right - left, base)
+                for left in (0.0, 90.0, 180.0, 270.0)
+                for base in (y - above, y + above + 8)
+            ]
+            boxes = [text_box(*at, (name,), font_size=11, anchor="end") for at in spots]
+            a, b = spots[self._labels.place(boxes)]
+            yield svg.text(a, b, name, anchor="end", font_size=11, fill=colour, **HALO)
 
     def add_series(self, of: DataSeries, index: int) -> None:
         """Draw a series in the colour and dash of its place."""
@@ -219,8 +244,11 @@ class Chart:
             self.add_elements(
                 svg.path(x, y, stroke=colour, stroke_width=1.8, stroke_dasharray=dash)
             )
+            self._labels.taken += _curve_boxes(x, y)
         if of.draw_markers:
-            self._named += [(float(a) - 4, float(b) + 5, 8.0) for a, b in zip(x, y, strict=True)]
+            self._labels.taken += [
+                Box(a - 4, b - 4, a + 4, b + 4) for a, b in zip(x.tolist(), y.tolist(), strict=True)
+            ]
             self.add_elements(
                 *(
                     self.marker(float(a), float(b), index)
@@ -242,31 +270,20 @@ class Chart:
             )
 
     def _label(self, said: str, x: float, y: float, colour: str) -> None:
-        """Name a point next to it, where no name stands yet."""
-        wide, high = 5.6 * len(said), 12.0
+        """Name a point next to it, where nothing stands yet."""
+        wide = text_box(x, y, (said,), font_size=10.5).right - x
         spots = [
             (x + way - (wide if way < 0 else 0), y + drop)
             for drop in (-6, 14, -19, 27, -32, -45, -58)
             for way in (6, -6)
         ]
-        free = [
-            (a, b)
-            for a, b in spots
-            if a >= MARGIN_LEFT_PX
-            and a + wide <= self.width - MARGIN_RIGHT_PX
-            and MARGIN_TOP_PX + 8 <= b <= self.height - MARGIN_BOTTOM_PX - 3
-            and all(
-                a + wide < c or c + w < a or b + 1 < d - high or d + 1 < b - high
-                for c, d, w in self._named
-            )
-        ]
-        a, b = (free or spots)[0]
-        self._named.append((a, b, wide))
+        boxes = [text_box(*at, (said,), font_size=10.5) for at in spots]
+        a, b = spots[self._labels.place(boxes)]
         if abs(b - y) > 15:
             self.add_elements(
                 svg.line(x, y, a + (0 if a > x else wide), b - 3, stroke=colour, stroke_width=0.6)
             )
-        self.add_elements(svg.text(a, b, said, font_size=10.5, fill=colour))
+        self.add_elements(svg.text(a, b, said, font_size=10.5, fill=colour, **HALO))
 
     def add_envelope(self, x: FloatArray, low: FloatArray, high: FloatArray) -> None:
         """Fill from the lowest to the highest value of columns (n,); a gap where one is nan."""
@@ -323,7 +340,10 @@ class Chart:
                 )
                 x += wide
         height = self.height + (8 + 17 * len(rows) if rows else 0)
-        drawn = svg.svg_document(self.width, height, *self._axes(), *self._drawn, *legend, alt=alt)
+        drawn = svg.svg_document(
+            self.width, height,
+            *self._axes(), *self._drawn, *self._placed_level_names(), *legend, alt=alt,
+        )  # fmt: skip
         return Figure(title=title, svg=drawn, alt=alt, note=note)
 
     @staticmethod
@@ -472,6 +492,14 @@ def line_chart(
     for k, s in enumerate(series):
         chart.add_series(s, k)
     return chart.to_figure(title=title, alt=alt, note=note)
+
+
+def _curve_boxes(x: FloatArray, y: FloatArray) -> Iterator[Box]:
+    """Yield what a curve takes of the page; of a long recording nothing, it fills the page."""
+    points = np.column_stack([x, y])
+    for a, b in pairwise(points) if len(points) <= MAX_CURVE_POINTS_TO_AVOID else ():
+        if np.isfinite(a).all() and np.isfinite(b).all():
+            yield from bar_boxes(a, b, 2.0)
 
 
 def _widened_range(of: tuple[float, float], span: float) -> tuple[float, float]:

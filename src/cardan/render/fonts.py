@@ -83,6 +83,15 @@ def insert_word_breaks(text: str, *, word: int = MAX_UNBROKEN_CHARACTERS) -> str
     )
 
 
+def insert_address_breaks(text: str) -> str:
+    """Return a text in which addresses of entries may be broken between their names.
+
+    >>> insert_address_breaks("shafts[1].spline.mean_radius_mm").split(ZERO_WIDTH_SPACE)
+    ['shafts[1].', 'spline.', 'mean_', 'radius_', 'mm']
+    """
+    return re.sub(r"(?<=[a-z\]][._])(?=[a-z])", ZERO_WIDTH_SPACE, text)
+
+
 def apply_to_all_texts(value: Any, change: Callable[[str], str]) -> Any:
     """Return plain data with a change made to every text in it."""
     if isinstance(value, str):

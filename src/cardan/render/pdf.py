@@ -15,6 +15,7 @@ from cardan.render.fonts import (
     MISSING_GLYPH,
     apply_to_all_texts,
     collect_texts,
+    insert_address_breaks,
     insert_word_breaks,
     missing_characters,
     replace_missing_characters,
@@ -221,7 +222,7 @@ def _fitted_texts(story: dict[str, Any]) -> dict[str, Any]:
                 heads = enumerate(block["head"])
                 block["head"] = [column_head(t, number=k >= block["words"]) for k, t in heads]
                 block["rows"] = apply_to_all_texts(
-                    block["rows"], lambda t: truncate(t, MAX_CELL_CHARACTERS)
+                    block["rows"], lambda t: insert_address_breaks(truncate(t, MAX_CELL_CHARACTERS))
                 )
             elif block["kind"] != "CodeBlock":
                 block.update(

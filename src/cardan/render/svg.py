@@ -25,6 +25,12 @@ VERDICT_COLOURS = {"pass": "#1a7f37", "warn": "#9a6700", "fail": "#b42318"}
 """Colours of verdicts; each reads on white."""
 
 
+HALO: dict[str, AttributeValue] = {
+    "stroke": "#ffffff", "stroke_width": 3.0, "paint_order": "stroke",
+}  # fmt: skip
+"""What lets a label be read over lines."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Figure:
     """A drawing with its text alternative for screen readers."""

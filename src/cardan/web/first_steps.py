@@ -3,16 +3,25 @@
 from importlib.util import find_spec
 from typing import NamedTuple
 
-BRACKET_EXAMPLE = """
-bracket:                          # an example: replace its values by those of your drawing
+from cardan.render.i18n import Translator
+
+_BRACKET_EXAMPLE = """
+bracket:                          # {example}
   bearing: 1
-  u_shape: {seat_diameter_mm: 120, width_mm: 64, thickness_mm: 5, height_mm: 120, flange_mm: 50,
-            bend_radius_mm: 8, bolt_diameter_mm: 11, bolt_pitch_mm: 36}
+  u_shape: {{seat_diameter_mm: 120, width_mm: 64, thickness_mm: 5, height_mm: 120, flange_mm: 50,
+            bend_radius_mm: 8, bolt_diameter_mm: 11, bolt_pitch_mm: 36}}
   material: LNE380
   carried_mass_kg: 32
-  rubber_N_mm: [150, 120, 200]    # along, across, up
+  rubber_N_mm: [150, 120, 200]    # {axes}
 """
-"""A bracket's section of an application file, to be put behind what is there."""
+
+
+def bracket_example(say: Translator) -> str:
+    """Return a bracket's section of an application file, to be put behind what is there."""
+    return _BRACKET_EXAMPLE.format(
+        example=say("an example: replace its values by those of your drawing"),
+        axes=say("along, across, up"),
+    )
 
 
 class OptionalLibrary(NamedTuple):

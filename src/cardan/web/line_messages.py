@@ -10,8 +10,9 @@ from cardan.checks.line_response import LineResponse
 from cardan.core.units import deg, mm, rpm
 from cardan.model.application import InstalledLine
 from cardan.model.layout import Layout
-from cardan.model.parts import Shaft
+from cardan.model.parts import Line, Shaft
 from cardan.physics.kinematics.equivalent_angle import ae7_phasor_terms
+from cardan.physics.kinematics.joint_chain import rotate_chain
 from cardan.render.i18n import Translator
 from cardan.topics.design.drag_handles import STUB_SHAFT_TO_LINE_LENGTH_RATIO
 from cardan.web import correction_handlers as changes
@@ -21,6 +22,9 @@ from cardan.web.parsed_document import (
     round_decimals_list,
     round_significant_list,
 )
+
+QUARTER_TURN = 1
+"""Index, among four angles of a turn, at which the gearbox's yoke is upright."""
 
 
 def state_row(r: LineResponse, s: int, say: Translator) -> Json:
@@ -93,7 +97,10 @@ def _tube_text(shaft: Shaft, say: Translator) -> str:
 
 
 def layout_message(layout: Layout, installed: InstalledLine) -> Json:
-    """Return a layout (n, 3): joints, bearings, ends of the stubs at gearbox and pinion, mm."""
+    """Return a layout (n, 3): joints, bearings, ends of the stubs at gearbox and pinion, mm.
+
+    And the two pin axes of each cross, with the gearbox's yoke upright.
+    """
     p, d = layout.points, layout.directions
     stub = STUB_SHAFT_TO_LINE_LENGTH_RATIO * float(np.linalg.norm(p[-1] - p[0]))
     bearings = [
@@ -108,7 +115,19 @@ def layout_message(layout: Layout, installed: InstalledLine) -> Json:
             round_decimals_list((p[0] - stub * d[0]) / mm, 2),
             round_decimals_list((p[-1] + stub * d[-1]) / mm, 2),
         ],
+        "pins": _pin_axes(layout, installed.line),
     }
+
+
+def _pin_axes(layout: Layout, line: Line) -> list[list[list[float]]]:
+    """Return the driving and the driven pin axis of each joint, unit vectors; none of no cross."""
+    d = layout.directions
+    turn = rotate_chain(d, phases=[s.phase for s in line.shafts], crosses=line.is_cross, samples=4)
+    driving = turn.driving_pins[:, QUARTER_TURN]
+    driven = np.cross(d[1:], driving)
+    driven /= np.linalg.norm(driven, axis=-1, keepdims=True)
+    pins: list[list[list[float]]] = round_decimals_list(np.stack([driving, driven], axis=1), 4)
+    return [both if kind else [] for both, kind in zip(pins, line.is_cross, strict=True)]
 
 
 def phasor_numbers(r: LineResponse) -> Any:

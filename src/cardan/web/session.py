@@ -41,7 +41,7 @@ from cardan.schema.node_reader import FileChangeStamp, file_stamp
 from cardan.topics.design.drag_handles import HANDLE_KINDS
 from cardan.web import jobs
 from cardan.web import ui_texts as words
-from cardan.web.first_steps import BRACKET_EXAMPLE, missing_libraries
+from cardan.web.first_steps import bracket_example, missing_libraries
 from cardan.web.jobs import InvalidMessageError, MessageTooLargeError
 from cardan.web.upload import Upload
 from cardan.web.worker_pool import LatestOnlyQueue, WorkerQueues
@@ -204,7 +204,7 @@ class Session:
             longest=MAX_MESSAGE_BYTES,
             profiles=list(profiles()),
             missing=missing_libraries(),
-            bracket_example=BRACKET_EXAMPLE,
+            bracket_example=bracket_example(say),
             files=[p.name for p in self.workspace.files],
         )
 

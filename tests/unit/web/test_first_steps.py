@@ -4,16 +4,20 @@ import pytest
 from repository import ROOT
 
 from cardan.application import reader
+from cardan.render.i18n import LANGUAGE_CODES, Translator
 from cardan.web import first_steps
 
 EXAMPLE_FILES = ("refuse-collector-6x2", "three-joint-chain")
 
 
+@pytest.mark.parametrize("code", LANGUAGE_CODES)
 @pytest.mark.parametrize("name", EXAMPLE_FILES)
-def test_bracket_example_is_valid_in_application_with_centre_bearing(name):
+def test_bracket_example_is_valid_in_application_with_centre_bearing(name, code):
     text = (ROOT / f"examples/{name}.yaml").read_text("utf-8")
     assert reader.loads(text).bracket is None
-    assert reader.loads(text + first_steps.BRACKET_EXAMPLE).bracket is not None
+    example = first_steps.bracket_example(Translator(code))
+    assert ("drawing" in example) == (code == "en")
+    assert reader.loads(text + example).bracket is not None
 
 
 def test_missing_library_is_named_with_its_extra(monkeypatch):
