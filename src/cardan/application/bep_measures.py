@@ -29,7 +29,7 @@ from cardan.core.message import TranslatableMessage, translatable_message
 from cardan.core.units import UNITS, Metre, mm
 from cardan.model.application import Application
 from cardan.model.vehicle import Vehicle
-from cardan.schema.yaml_tree import read_text, to_one_line
+from cardan.schema.yaml_tree import read_table_text, to_one_line
 
 MAX_ROWS = 500
 MAX_CONTRADICTION_M = 2 * mm
@@ -93,7 +93,7 @@ def read_measures(path: Path) -> ChassisMeasures:
         If no row has a code, two columns may be the value, or with every code whose value cannot
         be read or stands there twice.
     """
-    rows = divided_rows(read_text(path), str(path))[:MAX_ROWS]
+    rows = divided_rows(read_table_text(path), str(path))[:MAX_ROWS]
     coded = [(at, *found, cells) for at, cells in rows if (found := _coded(cells)) is not None]
     if not coded:
         issue = FileIssue(

@@ -84,7 +84,15 @@ from cardan.schema.node_reader import (
     nearest_name_hint,
 )
 from cardan.schema.tables import LazyTableField, Table, TableField, table_key_field
-from cardan.schema.yaml_tree import Mapping, Node, Scalar, Sequence, parse_yaml, read_text
+from cardan.schema.yaml_tree import (
+    Mapping,
+    Node,
+    Scalar,
+    Sequence,
+    parse_yaml,
+    read_table_text,
+    read_text,
+)
 
 MAX_CATALOGUES = 20
 """Of one application: one for each kind of part would do."""
@@ -235,7 +243,7 @@ def _sheets(root: Node, reading: TableReadContext) -> Iterator[CatalogueCsvFile]
         if isinstance(here.node, Scalar) and isinstance(here.node.value, str):
             try:
                 path = here.referenced_path(here.node.text)
-                sheets.append((CatalogueCsvFile(read_text(path), str(path)), here))
+                sheets.append((CatalogueCsvFile(read_table_text(path), str(path)), here))
             except InvalidFileError as error:
                 _note(error, here)
             except InvalidValueError:
