@@ -8,7 +8,7 @@ import { formatFixed, formatNumber, marginText } from "./format";
 import { toSceneAxes, surfaceMaterial, useScene3d, type Scene3d } from "./scene3d";
 import { store, type Job, type AppState } from "./store";
 import { t } from "./i18n";
-import { verdictText } from "./gradeLookup";
+import { gradeText, verdictText } from "./gradeLookup";
 import type { Point, Seated } from "./types";
 import { JobButton } from "./SpeedView";
 
@@ -24,7 +24,7 @@ export default function Bracket({ known }: { known: AppState }) {
         {!of && known.missing.some((m) => m.extra === "bracket") && <p class="note warn">{t("The bracket cannot be solved yet: pip install 'cardan[bracket]', then start again")}</p>}
         {!of && <p class="note">{t("Finite elements under the loads of every state: some minutes. Its shape: bracket in the file.")}</p>}
         {!of && known.history && !/^bracket:/m.test(known.history.text) && <ExampleBracket known={known} text={known.history.text} />}
-        {of && <ul class="others">{of.checks.map((c) => <li key={c.quantity + c.where}><b class={c.grade}>{t(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} {c.unit} ({marginText(c.margin)})</li>)}</ul>}
+        {of && <ul class="others">{of.checks.map((c) => <li key={c.quantity + c.where}><b class={c.grade}>{gradeText(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} {c.unit} ({marginText(c.margin)})</li>)}</ul>}
       </Card>
       {of && <Shape key={job?.id} of={of} />}
       {of && <section class="card"><ReportBlocks of={of.blocks} /></section>}

@@ -1,4 +1,4 @@
-// Side and top view: the line where it is shown, as installed and in its states; handles on it.
+// Side and plan view: the line where it is shown, as installed and in its states; handles on it.
 
 import { useMemo, useRef } from "preact/hooks";
 import { formatFixed, formatSigned } from "./format";
@@ -45,7 +45,7 @@ export function Drawing({ known, shown, view }: { known: AppState; shown: ShownL
     lengths: posed?.lengths ?? line.lengths[state],
   };
   const clearance = posed?.clearance ?? line.clearance[state];
-  const title = view === "side" ? t("Side view, from the left") : t("Top view");
+  const title = view === "side" ? t("Side view, from the left") : t("Plan view");
   const before = known.behind === null ? undefined : (known.jobs.ghost as Job<Ghost> | undefined)?.answer?.lines.find((l) => l.name === line.name);
   const ghost = before?.states[live.states[state]?.name ?? ""];
   const mine = known.handles.filter((h) => h.line === line.name);

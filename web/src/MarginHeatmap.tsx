@@ -4,7 +4,7 @@ import { Fragment } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { Card, DataTable } from "./Card";
 import { formatNumber, formatPercent, marginText } from "./format";
-import { GRADES } from "./gradeLookup";
+import { GRADES, gradeText } from "./gradeLookup";
 import { store, worstPart, type AppState } from "./store";
 import { t } from "./i18n";
 import type { Full, Limit, Row } from "./types";
@@ -87,7 +87,7 @@ function HeatRow({ row, known, several }: Of) {
             <button
               class={`cell ${GRADES[grade]} ${near(margin)} ${chosen ? "chosen" : ""}`}
               {...disclosed(open)}
-              aria-label={`${row.name}, ${s.said}${part ? `, ${part}` : ""}: ${t(GRADES[grade] ?? "")}, ${formatPercent(margin)} %`}
+              aria-label={`${row.name}, ${s.said}${part ? `, ${part}` : ""}: ${gradeText(GRADES[grade] ?? "fail")}, ${formatPercent(margin)} %`}
               onClick={() => store.look(open ? null : { row: row.id, state: k, part: p })}
             >
               {formatPercent(margin)}
@@ -133,7 +133,7 @@ function Others({ full }: { full: Full | null }) {
           <ul class="others">
             {bad.map((o, k) => (
               <li key={k} class={o.grade}>
-                <b>{t(o.grade)}</b> {o.name}, {o.where}: {formatNumber(o.value)} ({o.limit})
+                <b>{gradeText(o.grade)}</b> {o.name}, {o.where}: {formatNumber(o.value)} ({o.limit})
               </li>
             ))}
             {rest > 0 && <li>{t("{count} more that pass", { count: rest })}</li>}

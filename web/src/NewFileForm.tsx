@@ -4,6 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 import { Card, Select, DataTable } from "./Card";
 import { formatFixed, formatNumber, marginText } from "./format";
 import { store, type Job, type AppState } from "./store";
+import { gradeText } from "./gradeLookup";
 import { t } from "./i18n";
 import type { Guided } from "./types";
 import { useRetainedState } from "./hooks";
@@ -110,7 +111,7 @@ export function NewFileForm({ known }: { known: AppState }) {
             <p class="facts">{of.angles.map((a, k) => <span key={k}>{t("joint {n}", { n: k + 1 })} <b>{formatFixed(a, 2)}°</b></span>)}<span>{t("equivalent angle")} <b>{formatFixed(of.equivalent, 2)}°</b></span></p>
             <ul class="others">
               {of.unanswered.map((u) => <li key={u}>{u}</li>)}
-              {of.warnings.map((w) => <li key={w} class="warn"><b>{t("warn")}</b> {w}</li>)}
+              {of.warnings.map((w) => <li key={w} class="warn"><b>{t("warning")}</b> {w}</li>)}
               {of.checks.map((c, k) => <CheckLine key={k} of={c} />)}
             </ul>
             {of.after && (
@@ -128,7 +129,7 @@ export function NewFileForm({ known }: { known: AppState }) {
 }
 
 const CheckLine = ({ of: c }: { of: Guided["checks"][number] }) => (
-  <li class={c.grade}><b>{t(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} ({c.limit}), {marginText(c.margin)}</li>
+  <li class={c.grade}><b>{gradeText(c.grade)}</b> {c.name}, {c.where}: {formatNumber(c.value)} ({c.limit}), {marginText(c.margin)}</li>
 );
 
 /** Write the file of a form; with two wheelbases one of each, and the later one is opened. */

@@ -5,7 +5,7 @@ import { Card } from "./Card";
 import type { ShownLine } from "./Drawing";
 import { CellMap } from "./CellMap";
 import { formatFixed, formatNumber } from "./format";
-import { GRADES } from "./gradeLookup";
+import { GRADES, gradeText } from "./gradeLookup";
 import { Plot, type Series } from "./Plot";
 import { store, type Job, type AppState } from "./store";
 import { t } from "./i18n";
@@ -63,7 +63,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: AppState; shown: Show
   const values = b[force];
   const edges = cellEdges(of.rpm);
   const most = Math.max(...values.flat().map((v) => v ?? 0), 1);
-  const bounds = b.limits[force].flatMap((l) => (["warn", "fail"] as const).flatMap((grade) => (l[grade] === null ? [] : [{ value: l[grade], grade, said: t(grade) }])));
+  const bounds = b.limits[force].flatMap((l) => (["warn", "fail"] as const).flatMap((grade) => (l[grade] === null ? [] : [{ value: l[grade], grade, said: gradeText(grade) }])));
   const value = values[g]?.[k];
   const grade = GRADES[b.grades[force][g]?.[k] ?? -1];
   const cut: Series[] = [
@@ -91,7 +91,7 @@ function Forces({ of, known, shown }: { of: Speeds; known: AppState; shown: Show
           strength={(r, c) => 0.12 + 0.88 * ((values[r]?.[c] ?? 0) / most)}
           at={[g, k]}
           choose={(r, c) => setAt([r, c])}
-          said={`${of.gears[g]?.said}, ${formatNumber(of.rpm[k])} rpm: ${value === null || value === undefined ? "–" : `${formatNumber(value)} N`}${grade ? `, ${t(grade)}` : ""}`}
+          said={`${of.gears[g]?.said}, ${formatNumber(of.rpm[k])} rpm: ${value === null || value === undefined ? "–" : `${formatNumber(value)} N`}${grade ? `, ${gradeText(grade)}` : ""}`}
           height={22 * of.gears.length}
           theme={known.theme}
         />

@@ -112,7 +112,7 @@ export function JointAngleTable({ known, shown }: { known: AppState; shown: Show
   const rooms = (at?.clearance ?? line.clearance[state] ?? []).flat().filter((v) => v !== null);
   return (
     <Card id="angles" title={t("Joints")} note={shown.where}>
-      <DataTable label={t("Joints")} head={[t("joint"), [t("angle")], ...(before ? [[known.variants[known.behind ?? 0]?.name] as [string]] : []), [t("side view")], [t("top view")], [t("plane at")], t("size")]}>
+      <DataTable label={t("Joints")} head={[t("joint"), [t("angle")], ...(before ? [[known.variants[known.behind ?? 0]?.name] as [string]] : []), [t("side view")], [t("plan view")], [t("plane at")], t("size")]}>
         {of("angles").map((angle, k) => (
           <tr key={k}>
             <th scope="row">{k + 1}</th>

@@ -11,7 +11,7 @@ export function Suggestions({ known }: { known: AppState }) {
   const { helps, helping, full } = known;
   if (!full) return null;
   return (
-    <Card id="helps" title={t("What would help")} note={t("each move alone; click to apply")} head={<button class="plain" disabled={helping || !known.settled} onClick={() => store.help()}>{helping ? t("calculating …") : t("evaluate")}</button>}>
+    <Card id="helps" title={t("Single corrections")} note={t("each move alone; click to apply")} head={<button class="plain" disabled={helping || !known.settled} onClick={() => store.help()}>{helping ? t("calculating …") : t("evaluate")}</button>}>
       {helps?.length === 0 && <p class="note">{t("Everything passes.")}</p>}
       {helps?.map((h, k) => (
         <div key={k} class="help">

@@ -6,10 +6,13 @@ import type { Grade, Maybe, Row, Verdict } from "./types";
 export const GRADES: Grade[] = ["pass", "warn", "fail"];
 export const VERDICTS: Verdict[] = ["pass", "warn", "incomplete", "fail"];
 
-/** A verdict as every other medium words it; the grade of a single check keeps its own word. */
+/** A verdict as every other medium words it; the grade of a single check has its own words. */
 export function verdictText(verdict: Verdict): string {
   return { pass: t("approved"), warn: t("approved with warnings"), incomplete: t("incomplete"), fail: t("not approved") }[verdict];
 }
+
+/** The grade of a criterion or of a check as every other medium words it. */
+export const gradeText = (grade: Grade): string => ({ pass: t("met"), warn: t("beyond recommended"), fail: t("exceeded") })[grade];
 
 export type PartGrades = Record<string, Grade | undefined>;
 

@@ -4,7 +4,7 @@ import type { Laid, Line, Obstacle, Point } from "./types";
 
 export type ViewDirection = "side" | "top";
 
-/** The component that runs up the page in each view; in the top view the vehicle's right. */
+/** The component that runs up the page in each view; in the plan view the vehicle's right. */
 export const VERTICAL_COMPONENT: Record<ViewDirection, 1 | 2> = { side: 2, top: 1 };
 export const VERTICAL_AXIS: Record<ViewDirection, "y" | "z"> = { side: "z", top: "y" };
 

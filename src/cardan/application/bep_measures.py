@@ -25,10 +25,11 @@ from cardan.application.wheelbase import lines_that_follow_rear_axle, text_with_
 from cardan.application.yaml_edit import YamlEditor
 from cardan.core.errors import FileIssue, InvalidFileError
 from cardan.core.lazy_dataclass import dataclass
+from cardan.core.message import TranslatableMessage, translatable_message
 from cardan.core.units import UNITS, Metre, mm
 from cardan.model.application import Application
 from cardan.model.vehicle import Vehicle
-from cardan.schema.yaml_tree import read_text, to_one_line
+from cardan.schema.yaml_tree import read_table_text, to_one_line
 
 MAX_ROWS = 500
 MAX_CONTRADICTION_M = 2 * mm
@@ -92,7 +93,7 @@ def read_measures(path: Path) -> ChassisMeasures:
         If no row has a code, two columns may be the value, or with every code whose value cannot
         be read or stands there twice.
     """
-    rows = divided_rows(read_text(path), str(path))[:MAX_ROWS]
+    rows = divided_rows(read_table_text(path), str(path))[:MAX_ROWS]
     coded = [(at, *found, cells) for at, cells in rows if (found := _coded(cells)) is not None]
     if not coded:
         issue = FileIssue(
@@ -183,7 +184,7 @@ def text_with_measures(
     *,
     moves_line: bool = True,
     folder: Path | None = None,
-) -> tuple[str, tuple[str, ...]]:
+) -> tuple[str, tuple[TranslatableMessage, ...]]:
     """Return the text of an application with the wheelbase of a chassis, and what to say of it.
 
     The wheelbase is from the load point of the front axles to that of the rear ones: L015, or L011
@@ -209,14 +210,20 @@ def text_with_measures(
         message = "measures of a chassis need an application with a `vehicle`"
         raise InvalidFileError(measures.source, (FileIssue(message=message),))
     wheelbase, how = _wheelbase(measures, vehicle)
-    before, notes = text, [f"wheelbase {wheelbase / mm:.0f} mm, {how}"]
+    size = f"{wheelbase / mm:.0f}"
+    before = text
+    notes = [translatable_message("wheelbase {size} mm, {codes}", size=size, codes=how)]
     editor = YamlEditor(text)
     key = next((f"vehicle.wheelbase_{u}" for u in UNITS if f"vehicle.wheelbase_{u}" in editor), "")
     placeholder = key in application.placeholders
     if moves_line and not placeholder:
         text = text_with_wheelbase(text, wheelbase=wheelbase, name=measures.source, folder=folder)
         if lines_that_follow_rear_axle(application):
-            notes.append("the last joint of each line to a rear axle stands where the axle does")
+            notes.append(
+                translatable_message(
+                    "the last joint of each line to a rear axle stands where the axle does"
+                )
+            )
     else:
         unit = UNITS[key.rpartition("_")[2]]
         text = editor.with_changes({key: round(wheelbase / unit, 6)})
@@ -226,13 +233,28 @@ def text_with_measures(
         text = YamlEditor(text).with_changes({"vehicle.driven_share": round(share, 4)})
         if "vehicle.driven_share" in application.placeholders:
             text = text_with_value_entered(text, "vehicle.driven_share")
-        notes.append(f"driven_share {share:.3g}, BEP-L014 and the spacing of the rear axles")
+        notes.append(
+            translatable_message(
+                "driven_share {share}, BEP-L014 and the spacing of the rear axles",
+                share=f"{share:.3g}",
+            )
+        )
     text = text_with_source(changed_addresses(before, text), text, Path(measures.source).name)
-    for codes, said in ((measures.unused, "not used"), (measures.unknown, "not public, not read")):
+    for codes, said in (
+        (measures.unused, "not used: {codes}"),
+        (measures.unknown, "not public, not read: {codes}"),
+    ):
         if codes:
-            names = (f"BEP-{c} {KNOWN_CODES.get(c.partition('.')[0], '')}".strip() for c in codes)
-            notes.append(f"{said}: {', '.join(names)}")
+            notes.append(translatable_message(said, codes=tuple(map(_code_name, codes))))
     return text, tuple(notes)
+
+
+def _code_name(code: str) -> TranslatableMessage:
+    """Return a code of ISO 21308 with what it measures, where that is public."""
+    meaning = KNOWN_CODES.get(code.partition(".")[0])
+    if meaning is None:
+        return translatable_message("BEP-{code}", code=code)
+    return translatable_message("BEP-{code} {meaning}", code=code, meaning=meaning)
 
 
 def _wheelbase(measures: ChassisMeasures, vehicle: Vehicle) -> tuple[Metre, str]:

@@ -71,7 +71,7 @@ def _pair(table: "CentreBearingTable | FlangeTable") -> tuple[float, float] | No
     vertical, lateral = table.vertical_stiffness, table.lateral_stiffness
     if (vertical is None) != (lateral is None):
         missing = "lateral" if lateral is None else "vertical"
-        table.reader_of().reject(f"{missing}_stiffness_N_mm is missing beside the other one")
+        table.reader_of().reject(f"{missing}_stiffness_N_mm is missing: give both")
     return None if vertical is None or lateral is None else (vertical, lateral)
 
 
@@ -165,7 +165,7 @@ class CentreBearingTable(Table):
         pair = _pair(self)
         if self.bracket and pair is None:
             self.reader_of("bracket").reject(
-                "a bracket gives beside rubber that gives: the bearing has no stiffness",
+                "a bracket deflects in series with rubber: the bearing has no stiffness",
                 "give stiffness_N_mm of the rubber; of a bearing without, give the bracket's",
             )
         if self.travel is not None and pair is None:
@@ -526,7 +526,9 @@ class LineTable(GeometryTable):
         default=None,
     )
     pinion_bearing_rating: BearingForceRating | Annotated[tuple[float, float], _BEARINGS] | None = (
-        table_key_field("the same of the pinion's bearings, beside the gears' forces", default=None)
+        table_key_field(
+            "the same of the pinion's bearings, in addition to the gears' forces", default=None
+        )
     )
     gearbox_flange: Annotated[Flange, FlangeTable] | None = table_key_field(
         "how the transmission's tail gives under joint 1; rigid if left out", default=None

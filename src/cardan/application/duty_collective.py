@@ -7,13 +7,16 @@ import numpy as np
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import DesignError
 from cardan.core.lazy_dataclass import dataclass
+from cardan.core.message import TranslatableMessage
 from cardan.core.units import rpm
+from cardan.schema.yaml_tree import to_one_line
 
 LIFE_EXPONENT = 10 / 3
 """Exponent of torque in the life of needle bearings, ISO 281."""
 TORQUE_CLASSES, SPEED_CLASSES = 8, 6
 MIN_DRIVING_SPEED_RPM = 1.0
 """Speed of the line below which the vehicle stands."""
+MAX_ORIGIN_CHARACTERS = 160
 DUTY_HINT = "# duty: regional                  # how the life is spent; or `cardan new --vmod`"
 """A line of an imported application that a section `duty` replaces."""
 _DUTY_HEAD = """\
@@ -32,14 +35,14 @@ class DutyCollective:
     Attributes
     ----------
     origin
-        Where it is from, and whether that is measured or simulated: one line.
+        Where it is from, and whether that is measured or simulated.
     share, torque, speed
         Of the time in motion, 1; size of the torque, N m; speed, rad/s; each (classes,).
     duration, driving_share, overrun_share
         Of the trip, s; of it in motion; of the motion with torque from the wheels.
     """
 
-    origin: str
+    origin: TranslatableMessage
     share: FloatArray
     torque: FloatArray
     speed: FloatArray
@@ -49,7 +52,7 @@ class DutyCollective:
 
 
 def duty_collective(
-    step: FloatArray, torque: FloatArray, speed: FloatArray, *, origin: str
+    step: FloatArray, torque: FloatArray, speed: FloatArray, *, origin: TranslatableMessage
 ) -> DutyCollective:
     """Return the collective of a trip at the gearbox output.
 
@@ -120,7 +123,7 @@ def _class_of(values: FloatArray, count: int) -> FloatArray:
 def duty_section(of: DutyCollective) -> str:
     """Return the section `duty` of an application, with where it is from."""
     head = _DUTY_HEAD.format(
-        origin=of.origin,
+        origin=to_one_line(str(of.origin))[:MAX_ORIGIN_CHARACTERS],
         duration=of.duration,
         driving=100 * of.driving_share,
         overrun=100 * of.overrun_share,

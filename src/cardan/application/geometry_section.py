@@ -47,7 +47,7 @@ class SlopeTable(Table):
 
     side: Slope = table_key_field("side view, down to the rear positive", default=0.0)
     top: PlanViewSlope = table_key_field(
-        "top view, to the right going rearward positive", default=0.0
+        "plan view, to the right going rearward positive", default=0.0
     )
 
     def build(self) -> tuple[float, float]:
@@ -56,11 +56,11 @@ class SlopeTable(Table):
 
 
 class ViewAnglesTable(Table):
-    """Angles in side and top view, gearbox first; a view left out is straight."""
+    """Angles in side and plan view, gearbox first; a view left out is straight."""
 
     side: Slopes | None = table_key_field("side view, down to the rear positive", default=None)
     top: PlanViewSlopes | None = table_key_field(
-        "top view, to the right going rearward positive", default=None
+        "plan view, to the right going rearward positive", default=None
     )
 
     def angles(self, *members: str) -> tuple[FloatArray, FloatArray]:
@@ -97,10 +97,10 @@ class GeometryTable(Table):
         default=None,
     )
     gearbox_slope: SlopeFromTable | None = table_key_field(
-        "of the gearbox output, beside points", default=None
+        "of the gearbox output, with points", default=None
     )
     pinion_slope: SlopeFromTable | None = table_key_field(
-        "of the axle's pinion, beside points", default=None
+        "of the axle's pinion, with points", default=None
     )
 
     @property
@@ -136,7 +136,7 @@ class GeometryTable(Table):
         for name in ("pinion_slope", *(() if self.joint_angles else ("gearbox_slope",))):
             if self.has(name):
                 hint = "the slopes hold it already" if self.slopes else "the joint angles give it"
-                self.reader_of(name).reject("stands beside points alone", hint)
+                self.reader_of(name).reject("goes with points only", hint)
         count = lengths.shape[-1]
         shafts = [f"shaft {k}" for k in range(1, count + 1)]
         if self.slopes is not None:
@@ -196,7 +196,7 @@ class GeometryTable(Table):
                 ends.append(reference.directions[..., end, :])
             else:
                 hint = f"{name}: {{side_deg: 3.0, top_deg: 0.0}}"
-                self.reader_of("points").reject(f"points need a {name} beside them", hint)
+                self.reader_of("points").reject(f"points need a {name} too", hint)
         layout = layout_from_points(joints, gearbox=ends[0], pinion=ends[1])
         self._compare(lengths, layout, reference)
         return layout
@@ -229,7 +229,7 @@ class StateGeometryTable(GeometryTable):
     """Where a line runs in one state; what is left out is as in the reference."""
 
     last_length: ShaftLength | None = table_key_field(
-        "length of the last shaft in this state, beside slopes or joint angles", default=None
+        "length of the last shaft in this state, with slopes or joint angles", default=None
     )
 
     bearing_offset: Annotated[

@@ -21,7 +21,7 @@ from cardan.core.errors import FileIssue, InvalidFileError
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.units import UNITS, deg, mm
 from cardan.model.application import Application
-from cardan.schema.yaml_tree import read_text, to_one_line
+from cardan.schema.yaml_tree import read_table_text, to_one_line
 
 MAX_ROWS = 200
 MAX_BEARING_OFFSET_M = 20 * mm
@@ -55,7 +55,7 @@ def read_hardpoints(path: Path) -> tuple[Hardpoint, ...]:
     InvalidFileError
         If the heading lacks a column or the unit, or with every row that cannot be read.
     """
-    rows = divided_rows(read_text(path), str(path))[: MAX_ROWS + 1]
+    rows = divided_rows(read_table_text(path), str(path))[: MAX_ROWS + 1]
     if not rows:
         raise InvalidFileError(str(path), (FileIssue(message="holds no row"),))
     (at, heading), *body = rows

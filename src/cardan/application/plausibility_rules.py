@@ -179,9 +179,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     # --- yokes
     R("yoke_phase", "the yoke phase's distance from 0 or 90 deg", line.compare_yoke_phase,
       (0, 0.05),
-      unit=" deg", hint="yokes are built in line (0) or crossed (90)"),
+      unit=" deg", hint="yokes are built in phase (0) or out of phase (90)"),
     R("yokes_out_of_line", "the equivalent angle over that with all yokes in line",
-      line.compare_yokes_out_of_line, (0, 1.5), hint="crossed yokes make this line less even"),
+      line.compare_yokes_out_of_line, (0, 1.5), hint="yokes out of phase make this line less even"),
     # --- where a line runs
     R("lost_sign", "the bend of the next joint", line.compare_lost_sign, (0, 6), unit=" deg",
       hint="with the other sign it would be below 3 deg: is the sign right?"),

@@ -84,7 +84,15 @@ from cardan.schema.node_reader import (
     nearest_name_hint,
 )
 from cardan.schema.tables import LazyTableField, Table, TableField, table_key_field
-from cardan.schema.yaml_tree import Mapping, Node, Scalar, Sequence, parse_yaml, read_text
+from cardan.schema.yaml_tree import (
+    Mapping,
+    Node,
+    Scalar,
+    Sequence,
+    parse_yaml,
+    read_table_text,
+    read_text,
+)
 
 MAX_CATALOGUES = 20
 """Of one application: one for each kind of part would do."""
@@ -235,7 +243,7 @@ def _sheets(root: Node, reading: TableReadContext) -> Iterator[CatalogueCsvFile]
         if isinstance(here.node, Scalar) and isinstance(here.node.value, str):
             try:
                 path = here.referenced_path(here.node.text)
-                sheets.append((CatalogueCsvFile(read_text(path), str(path)), here))
+                sheets.append((CatalogueCsvFile(read_table_text(path), str(path)), here))
             except InvalidFileError as error:
                 _note(error, here)
             except InvalidValueError:
@@ -567,7 +575,7 @@ class ApplicationTable(Table):
     )
     study: Annotated[Any, LazyTableField("cardan.topics.variants.schema", "StudyTable")] | None = (
         table_key_field(
-            "what varies, what scatters, and what is asked of all variants", default=None
+            "what varies, what scatters, and what is evaluated of all variants", default=None
         )
     )
     prime_mover: Literal["diesel", "petrol", "electric"] = table_key_field(
@@ -672,10 +680,10 @@ class ApplicationTable(Table):
         if self.torsion is not None:
             for name in ("clutch", "dual_mass_flywheel", "converter", "inter_axle", "wheels"):
                 if self.has(name):
-                    message = f"stands in place of the table {name}, not beside it: give the parts"
+                    message = f"stands in place of the table {name}, not with it: give the parts"
                     self.reader_of("torsion").reject(message)
         if self.clutch is not None and self.converter is not None:
-            self.reader_of("converter").reject("stands in place of a clutch, not beside it")
+            self.reader_of("converter").reject("stands in place of a clutch, not with it")
         return self.torsion
 
     def _launches(self) -> tuple[Launch, ...]:
@@ -768,7 +776,7 @@ class ApplicationTable(Table):
         if checks > MAX_CHECKS:
             message = (
                 f"{len(states)} states of {shafts} shafts and {len(self.obstacles)} obstacles are "
-                f"some {checks} checks; up to {MAX_CHECKS} can be asked of one file"
+                f"some {checks} checks; one file can have up to {MAX_CHECKS}"
             )
             self.reader_of("states").reject(message, "split it into several files")
 

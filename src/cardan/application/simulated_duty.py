@@ -20,6 +20,7 @@ from cardan.application.vecto_files import (
 )
 from cardan.core.arrays import FloatArray
 from cardan.core.errors import DesignError, FileIssue, InvalidFileError
+from cardan.core.message import translatable_message
 
 _COLUMNS = frozenset({
     "time", "dt", "v_act", "n_gbx_out_avg", "t_gbx_out", "p_axle_in", "pwheel", "pbrake",
@@ -63,7 +64,7 @@ def read_simulated_duty(
         raise table.missing(("dt [s]", "time [s]"))
     torque, speed = _in_si(table, "T_gbx_out"), _in_si(table, "n_gbx_out_avg")
     if torque is not None and speed is not None and not np.isnan(torque + speed).any():
-        columns = "T_gbx_out and n_gbx_out_avg"
+        columns: tuple[str, ...] = ("T_gbx_out", "n_gbx_out_avg")
     else:
         power, columns = _axle_power(table)
         road = _in_si(table, "v_act")
@@ -78,21 +79,25 @@ def read_simulated_duty(
         speed = road / dynamic_radius * axle_ratio
         turning = np.where(speed > 0, speed, np.inf)
         torque = np.clip(power / turning, -largest_torque, largest_torque)
-    origin = f"simulated, not measured: VECTO, {path.name}, columns {columns}"
+    origin = translatable_message(
+        "simulated, not measured: VECTO, {file}, columns {columns}",
+        file=path.name,
+        columns=columns,
+    )
     try:
         return duty_collective(step, torque, speed, origin=origin)
     except DesignError as error:
         raise InvalidFileError(str(path), (FileIssue(message=str(error)),)) from None
 
 
-def _axle_power(table: VectoTable) -> tuple[FloatArray | None, str]:
+def _axle_power(table: VectoTable) -> tuple[FloatArray | None, tuple[str, ...]]:
     """Return the power into the axle, W, (rows,), and its columns; None where there are none."""
     if (power := _in_si(table, "P_axle_in")) is not None:
-        return power, "P_axle_in and v_act"
+        return power, ("P_axle_in", "v_act")
     wheel, brake, loss = (_in_si(table, name) for name in ("Pwheel", "Pbrake", "Ploss Diff"))
     if wheel is None or brake is None or loss is None:
-        return None, ""
-    return wheel - brake + loss, "Pwheel, Pbrake, Ploss Diff and v_act"
+        return None, ()
+    return wheel - brake + loss, ("Pwheel", "Pbrake", "Ploss Diff", "v_act")
 
 
 def _in_si(table: VectoTable, name: str) -> FloatArray | None:

@@ -74,7 +74,7 @@ def _head(job: VectoJob) -> Iterator[str]:
     if job.curb_mass is not None:
         mass = f"{job.curb_mass.value:g} kg, {_plain(str(job.curb_mass))}"
         yield f"# Curb mass {mass}: add a load state with its axle loads"
-    yield from (f"# Remark: {_plain(remark)}" for remark in job.remarks)
+    yield from (f"# Remark: {_plain(str(remark))}" for remark in job.remarks)
 
 
 def _placeholders(job: VectoJob, *, two_axles: bool) -> Iterator[str]:

@@ -3,6 +3,7 @@
 Files are read by content: each version of the tool has its own header, and the keys stay.
 """
 
+import codecs
 import json
 import re
 from collections.abc import Container, Iterable, Mapping
@@ -323,10 +324,12 @@ def _read_long_text(path: Path) -> str:
     try:
         if path.is_file() and path.stat().st_size > MAX_TABLE_CHARACTERS:
             raise InvalidFileError(str(path), (FileIssue(message="is longer than 200 MB"),))
-        return path.read_bytes().decode("utf-8-sig", errors="replace")
+        data = path.read_bytes()
     except OSError as error:
         issue = FileIssue(message=f"cannot be read: {error.strerror or error}")
         raise InvalidFileError(str(path), (issue,)) from None
+    marked = data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))
+    return data.decode("utf-16" if marked else "utf-8-sig", errors="replace")
 
 
 def _number(cell: str) -> float | None:

@@ -22,6 +22,7 @@ from cardan.application.vecto_files import (
     read_table,
 )
 from cardan.core.lazy_dataclass import dataclass
+from cardan.core.message import TranslatableMessage, translatable_message
 from cardan.core.units import mm, rpm
 
 _AXLES = re.compile(r"(\d+)x(\d+)")
@@ -79,7 +80,7 @@ class VectoJob:
     axle_ratio: JobValue
     axle_efficiency: JobValue | None
     converter_ratio: JobValue | None
-    remarks: tuple[str, ...]
+    remarks: tuple[TranslatableMessage, ...]
 
     @property
     def largest_torque(self) -> float:
@@ -313,20 +314,29 @@ def _dynamic_radius(vehicle: VectoPart, axles: list[Mapping[str, Any]]) -> JobVa
 
 def _remarks(
     gearbox: VectoPart, vehicle: VectoPart, gears: list[Mapping[str, Any]]
-) -> Iterator[str]:
+) -> Iterator[TranslatableMessage]:
     """Yield what the job holds that an application has no key for, or lacks."""
     limits = vehicle.table("TorqueLimits")
-    named = [f"gear {k}: {v} Nm" for k, v in limits.items()]
-    named += [
-        f"gear {k}: {gearbox.get('MaxTorque', gear)} Nm" for k, gear in enumerate(gears, 1)
-        if gearbox.get("MaxTorque", gear)
-    ]  # fmt: skip
-    if named:
-        yield f"torque limits by gear are not applied: {', '.join(named)}"
+    by_gear = [*limits.items()]
+    by_gear += [
+        (k, most) for k, gear in enumerate(gears, 1) if (most := gearbox.get("MaxTorque", gear))
+    ]
+    if by_gear:
+        yield translatable_message(
+            "torque limits by gear are not applied: {limits}",
+            limits=tuple(
+                translatable_message("gear {gear}: {torque} Nm", gear=gear, torque=torque)
+                for gear, torque in by_gear
+            ),
+        )
     for key in ("Retarder", "Angledrive"):
         kind = str(vehicle.get("Type", vehicle.table(key)) or "None")
         if kind.casefold() not in ("none", "losses included in gearbox"):
-            yield f"{vehicle.source(key)} is {kind}: not carried over"
+            yield translatable_message(
+                "{key} is {kind}: not carried over", key=vehicle.source(key), kind=kind
+            )
     converter = gearbox.table("TorqueConverter")
     if gearbox.get("Enabled", converter) is True and _stall_ratio(gearbox) is None:
-        yield "the file of the torque converter does not exist: its stall torque ratio is missing"
+        yield translatable_message(
+            "the file of the torque converter does not exist: its stall torque ratio is missing"
+        )

@@ -15,7 +15,7 @@ from cardan.core.errors import DesignError
 from cardan.core.labels import Part
 from cardan.core.message import TranslatableMessage, translatable_message
 from cardan.core.units import mm, rpm
-from cardan.core.verdict import CHECK_GRADES, MARGIN_TOLERANCE
+from cardan.core.verdict import CHECK_GRADES, GRADE_TEXTS, MARGIN_TOLERANCE, CheckGrade
 from cardan.model.application import Application
 from cardan.model.vehicle import Linkage, Spring
 from cardan.physics.loads.rubber_mount import (
@@ -350,7 +350,7 @@ def _set_down(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage
                 part=hung.parts[at[1]],
                 line=r.line.name,
                 state=r.demand.states[at[0]],
-                grade=grade,
+                grade=GRADE_TEXTS[grade],
                 given=_figures(given.values[at] / quantity.si_factor),
                 hung=_figures(hung.values[at] / quantity.si_factor),
                 unit=quantity.unit_symbol,
@@ -359,7 +359,7 @@ def _set_down(responses: Iterable[LineResponse]) -> Iterator[TranslatableMessage
 
 def _regraded(
     told: Iterable[EvaluatedLimit], otherwise: Iterable[EvaluatedLimit]
-) -> Iterator[tuple[EvaluatedLimit, EvaluatedLimit, tuple[int, int], str]]:
+) -> Iterator[tuple[EvaluatedLimit, EvaluatedLimit, tuple[int, int], CheckGrade]]:
     """Yield what limits would say otherwise: both answers, and where that leaves least, and so."""
     for one, other in zip(told, otherwise, strict=True):
         (before, _), (after, left) = (each.grades_and_margins() for each in (one, other))
@@ -514,7 +514,7 @@ def _uneven_ahead(responses: Sequence[LineResponse]) -> Iterator[TranslatableMes
                 both=_figures(together.values[at]),
                 alone=_figures(alone.values[at]),
                 state=r.demand.states[at[0]],
-                grade=grade,
+                grade=GRADE_TEXTS[grade],
             )
 
 

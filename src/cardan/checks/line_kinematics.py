@@ -35,7 +35,7 @@ class LineKinematics:
 
     @cached_property
     def top_angles(self) -> FloatArray:
-        """Top view angles at the joints, (..., n) rad."""
+        """Plan view angles at the joints, (..., n) rad."""
         return np.diff(self.inputs.layout.top, axis=-1)
 
     @property
@@ -77,7 +77,7 @@ class LineKinematics:
 
     @property
     def phasor_angles(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Side and top view angles (..., n) and phases (..., n-1), rad, for AE-7's phasors.
+        """Side and plan view angles (..., n) and phases (..., n-1), rad, for AE-7's phasors.
 
         Those of crosses: others count as straight, with the yokes behind them a quarter turn on.
         """

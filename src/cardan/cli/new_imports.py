@@ -9,6 +9,7 @@ from cardan.cli.exit_codes import raise_command_error
 
 if TYPE_CHECKING:
     from cardan.application.duty_collective import DutyCollective
+    from cardan.core.message import TranslatableMessage
     from cardan.model.application import Application
 
 
@@ -55,7 +56,8 @@ def write_imported(
         option = "--vmod" if imports.vmod else "--duty-from"
         raise_command_error(f"{option} is the duty of a vehicle: give it with --vecto or --of")
     check_output_paths({"FILE": out}, inputs=imports.files)
-    text, said = _base(imports, kind, own)
+    text, remarks = _base(imports, kind, own)
+    said = [_note(imports.job, remark, say) for remark in remarks if imports.job]
     source: dict[str, Any] = {} if own is None else {"folder": own.parent}
     application = reader.loads(
         text, name=str(own) if own else f"application of {imports.job or kind}", **source
@@ -65,7 +67,7 @@ def write_imported(
         text, notes = text_with_measures(
             text, application, measures, moves_line=imports.hardpoints is None, **source
         )
-        said += [f"{imports.measures.name}: {note}." for note in notes]
+        said += [_note(imports.measures, note, say) for note in notes]
     if imports.hardpoints is not None:
         points = read_hardpoints(imports.hardpoints)
         text = text_with_hardpoints(text, application, points, source=str(imports.hardpoints))
@@ -80,7 +82,7 @@ def write_imported(
                 classes=len(duty.share),
                 time=f"{duty.duration:.0f}",
                 moving=f"{100 * duty.driving_share:.0f}",
-                origin=duty.origin,
+                origin=say.translate_message(duty.origin),
             )
         )
     left = reader.loads(text, name=str(out), **source).placeholders  # what is written can be read
@@ -116,20 +118,25 @@ def _duty(imports: ImportedFiles, application: "Application") -> "DutyCollective
     )  # fmt: skip
 
 
-def _base(imports: ImportedFiles, kind: str | None, own: Path | None) -> tuple[str, list[str]]:
+def _note(file: Path, note: "TranslatableMessage", say: Any) -> str:
+    """Return what a file says that is worth a line."""
+    return f"{file.name}: {say.translate_message(note)}."
+
+
+def _base(
+    imports: ImportedFiles, kind: str | None, own: Path | None
+) -> tuple[str, tuple["TranslatableMessage", ...]]:
     """Return the text that the files change, and what a job says that is not carried over."""
     if imports.job is not None:
         from cardan.application.vecto_application import application_text_of_vecto_job
         from cardan.application.vecto_job import read_job
 
         job = read_job(imports.job)
-        return application_text_of_vecto_job(job), [
-            f"{job.path.name}: {one}." for one in job.remarks
-        ]
+        return application_text_of_vecto_job(job), job.remarks
     if own is not None:
         from cardan.schema.yaml_tree import read_text
 
-        return read_text(own), []
+        return read_text(own), ()
     from cardan.application.templates import template_text
 
-    return template_text(kind or "truck"), []
+    return template_text(kind or "truck"), ()

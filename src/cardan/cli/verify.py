@@ -4,6 +4,7 @@ import click
 
 from cardan.cli.common import (
     JSON_OPTION,
+    LANG_OPTION,
     echo_lines,
     terminal_width,
     validate_output_paths,
@@ -14,12 +15,14 @@ from cardan.cli.exit_codes import NoRepeatedOptionCommand, exit_with_code_2_on_k
 
 @click.command(cls=NoRepeatedOptionCommand)
 @JSON_OPTION
+@LANG_OPTION
 @exit_with_code_2_on_known_errors
-def verify(*, json_out: str | None) -> None:
+def verify(*, json_out: str | None, lang: str) -> None:
     """Recompute published cases on this machine and show both numbers.
 
     Exit code 1 where one does not agree to its printed digits.
     """
+    from cardan.render.i18n import Translator
     from cardan.topics.verification.presentation import (
         software_benchmark_case_lines,
         software_benchmark_cases_json,
@@ -31,5 +34,5 @@ def verify(*, json_out: str | None) -> None:
     if json_out is not None:
         write_json(software_benchmark_cases_json(cases), json_out)
     if json_out != "-":
-        echo_lines(software_benchmark_case_lines(cases, width=terminal_width()))
+        echo_lines(software_benchmark_case_lines(cases, Translator(lang), width=terminal_width()))
     raise SystemExit(0 if all(c.is_within_tolerance for c in cases) else 1)

@@ -1,5 +1,6 @@
 """Where a number comes from."""
 
+import re
 from dataclasses import replace
 
 from cardan.core.lazy_dataclass import dataclass
@@ -7,6 +8,17 @@ from cardan.core.lazy_dataclass import dataclass
 PROVENANCE_CODES = ("re-read", "by definition", "second hand", "from memory", "assumed")
 """How a number was obtained, the surest first: read in the publisher's own text, true by
 what the quantity is, read in a transcription, believed to stand there, our own choice."""
+
+_PROVENANCE_WORDS = {"re-read": "checked", "second hand": "quoted", "from memory": "unverified"}
+_PROVENANCE_CODE = re.compile("|".join(_PROVENANCE_WORDS))
+
+
+def provenance_text(code: str) -> str:
+    """Return how a number was read, in the words shown: checked, quoted, unverified, assumed.
+
+    A code may stand within a remark: `re-read, slope computed`.
+    """
+    return _PROVENANCE_CODE.sub(lambda found: _PROVENANCE_WORDS[found[0]], code)
 
 
 @dataclass(frozen=True, slots=True)

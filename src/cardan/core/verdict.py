@@ -23,8 +23,17 @@ Value = TypeVar("Value", float, FloatArray)
 
 CHECK_GRADES: tuple[CheckGrade, ...] = ("pass", "warn", "fail")
 """Of a check, from best to worst; arrays of grades hold places in this tuple."""
+
 VERDICTS: tuple[Verdict, ...] = ("pass", "warn", "incomplete", "fail")
 """From best to worst."""
+
+GRADE_TEXTS: dict[Verdict, str] = {
+    "fail": "exceeded",
+    "warn": "beyond recommended",
+    "incomplete": "incomplete",
+    "pass": "met",
+}
+"""What the grade of a criterion or of a check is called; JSON and files keep the codes."""
 
 MARGIN_TOLERANCE = 1e-9
 """Shares of a limit this close to 0 count as equal to it, and equality passes."""

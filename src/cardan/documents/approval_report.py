@@ -50,6 +50,7 @@ from cardan.render.phrases import (
     citation,
     failure_sentences,
     file_warning_lines,
+    grade_text,
     grouped_unevaluated_lines,
     limit_sense_symbol,
     note_sentences,
@@ -324,7 +325,7 @@ def _check_table(
     def row(c: Check) -> tuple[str, ...]:
         q, (value, bound) = QUANTITIES[c.quantity], value_and_bound(c, say)
         return (
-            say(c.grade),
+            grade_text(c.grade, say),
             name(c),
             check_location(c, say, several=several),
             value,
@@ -390,7 +391,7 @@ def _change_blocks(
         yield Text(paragraphs=(no_correction_sentence(say),))
     if helps:
         yield BulletList(
-            caption=say("What would help, each move alone"),
+            caption=say("Single corrections"),
             points=tuple(
                 (
                     failed_check_sentence(one, say, several=several),
@@ -455,7 +456,10 @@ def _failed_check_title(c: Check, say: Translator, *, several: bool) -> str:
     study = say(QUANTITIES[c.quantity].study)
     of = say.join(study, c.line) if several else study
     return say(
-        "{grade} ({study}): {check}", grade=say(c.grade), study=of, check=check_sentence(c, say)
+        "{grade} ({study}): {check}",
+        grade=grade_text(c.grade, say),
+        study=of,
+        check=check_sentence(c, say),
     )
 
 

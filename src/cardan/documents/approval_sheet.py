@@ -48,6 +48,7 @@ from cardan.render.check_texts import (
 from cardan.render.i18n import Translator
 from cardan.render.phrases import (
     adjustment_phrase,
+    grade_text,
     unevaluated_limit_lines,
     worst_check_per_limit,
 )
@@ -153,7 +154,7 @@ def _criteria_blocks(of: Approval, say: Translator) -> Iterator[Block]:
                   say("achieved"), say("margin")),
             rows=tuple(
                 (
-                    say(c.grade), name(c.worst), condition_texts(c.worst, say)[0],
+                    grade_text(c.grade, say), name(c.worst), condition_texts(c.worst, say)[0],
                     limit_text(c.worst, say), _achieved_text(c.worst, say),
                     say.margin_text(c.worst.margin),
                 )
@@ -171,6 +172,10 @@ def _criteria_blocks(of: Approval, say: Translator) -> Iterator[Block]:
 
 def _achieved_text(c: Check, say: Translator) -> str:
     return f"{value_text(c, say)} {unit_text(c)}".rstrip()
+
+
+def _graded_text(c: Criterion, say: Translator) -> str:
+    return f"{_achieved_text(c.worst, say)} ({grade_text(c.grade, say)})"
 
 
 def _comparison_table(of: Sequence[Approval], names: Sequence[str], say: Translator) -> Table:
@@ -197,7 +202,7 @@ def _comparison_table(of: Sequence[Approval], names: Sequence[str], say: Transla
         name = short_name(check, say, _qualifiers(of[at]))
         rows.append((
             f"{check.line}: {name}" if several else name, limit_text(check, say),
-            *(f"{_achieved_text(c.worst, say)} ({say(c.grade)})" if c else "-" for c in here),
+            *(_graded_text(c, say) if c else "-" for c in here),
         ))  # fmt: skip
         grades.append(("", "", *(c.grade if c else "" for c in here)))
     return Table(

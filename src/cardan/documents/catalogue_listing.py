@@ -6,6 +6,7 @@ from textwrap import wrap as wrapped
 from typing import Any
 
 from cardan.application.catalogue_rows import CatalogueRow
+from cardan.core.provenance import provenance_text
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.json_contract import to_json_types
 from cardan.render.phrases import citation
@@ -43,12 +44,12 @@ def catalogue_overview_lines(counts: dict[str, int], say: Translator = ENGLISH) 
         "materials": "metals, by name in `material`",
         "plies": "plies of composite tubes",
         "details": "fatigue details of brackets",
-        "metals": "what kinds of metal bear in fatigue, by `metal` of a material",
+        "metals": "fatigue strength of kinds of metal, by `metal` of a material",
         "tyres": "wheels and tyres, by name in `wheels: tyre`",
         "bearings": "centre bearings",
         "limits": "limits as makers, standards and shops print them",
         "torsion": "inertias and stiffnesses of torsion, as printed",
-        "typical": "what stands in for parts of torsion that a file does not give",
+        "typical": "typical values of torsion parts that a file does not give",
     }
     for name, count in counts.items():
         yield f"{name:<10}{count:>5}  {say(says[name])}"
@@ -132,7 +133,7 @@ def row_detail_lines(row: CatalogueRow, say: Translator = ENGLISH) -> Iterator[s
     wide = max(map(len, row.cells), default=0)
     for key, cell in row.cells.items():
         word = next((w for k, w in apart.items() if key == k or key.startswith(f"{k}_")), "")
-        said = f"{cell} ({say(word)})" if word else cell
+        said = f"{cell} ({say(provenance_text(word))})" if word else cell
         yield from wrap_line(
             said,
             LINE_WIDTH_COLUMNS,
@@ -141,7 +142,10 @@ def row_detail_lines(row: CatalogueRow, say: Translator = ENGLISH) -> Iterator[s
         )
     read = row.source.how_read
     facts = (
-        (say("how it was read"), say(read) if read else say("how it was read is not stated")),
+        (
+            say("how it was read"),
+            say(provenance_text(read)) if read else say("how it was read is not stated"),
+        ),
         (say("source"), str(row.source)),
         (say("note"), row.note),
     )
@@ -157,7 +161,7 @@ def _listed(
 ) -> Iterator[str]:
     """Yield rows with their cells and the number of their source; then the sources."""
     sources = list(dict.fromkeys(citation(r.source, say) for r in rows))
-    read = [say(r.source.how_read) + ("*" if r.source.apart else "") for r in rows]
+    read = [say(provenance_text(r.source.how_read)) + ("*" if r.source.apart else "") for r in rows]
     number = [f"[{sources.index(citation(r.source, say)) + 1}]" for r in rows]
     head, tail = [("", [_cut(r.name, 32) for r in rows])], [(say("read"), read), ("", number)]
     kept = list(cells)

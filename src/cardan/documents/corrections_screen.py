@@ -20,19 +20,19 @@ from cardan.render.check_texts import limit_text, lower_bound_explanation, value
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import (
     VERDICT_TEXTS,
+    grade_text,
     grouped_unevaluated_lines,
     verdict_text,
     worst_check_per_limit,
 )
 from cardan.render.screen_layout import (
-    GRADE_MARKS,
     capped_item_lines,
     capped_list_lines,
     more_text,
     percent_text,
     title_lines,
 )
-from cardan.render.terminal import bold
+from cardan.render.terminal import GRADE_MARKS, bold
 from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, table_lines
 from cardan.topics.design.correction import Correction
 from cardan.topics.design.correction_edits import CorrectedText
@@ -197,7 +197,7 @@ def _changes_in_words(
     gone: list[str] = []
     for one in sorted(_changes(p), key=lambda one: one.order):
         was, now = one.grades
-        arrow = " -> ".join(say(g) if g else "-" for g in dict.fromkeys((was, now)))
+        arrow = " -> ".join(grade_text(g, say) if g else "-" for g in dict.fromkeys((was, now)))
         name = _name(one, qualifiers, say, several=several)
         before, after = (_against_limit(c, say) for c in (one.before, one.after))
         if now is None:

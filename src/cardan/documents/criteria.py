@@ -30,12 +30,6 @@ NAMES_BY_PART = {
 All others have the name of their declaration, on the screen as in every report.
 """
 
-STATE_NAMES = {
-    "windup": "axle wind-up (drive)",
-    "windup brake": "axle wind-up (braking)",
-}
-"""States by the field's names, where those differ from the keys of a file."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Criterion:
@@ -145,7 +139,7 @@ def full_name(
 
 def condition_texts(c: Check, say: Translator) -> tuple[str, ...]:
     """Return when a check is worst, in ever fewer words: the whole first, the state alone last."""
-    state = state_name(c, say)
+    state = say.occasion(c.when)
     if c.point is None:
         return (state,)
     brief, operation = _operation_texts(c.point, say)
@@ -161,12 +155,6 @@ def condition_texts(c: Check, say: Translator) -> tuple[str, ...]:
 def full_condition_text(c: Check, say: Translator) -> str:
     """Return when a check is worst: the state and the whole operating point."""
     return condition_texts(replace(c, mode=None), say)[0]
-
-
-def state_name(c: Check | UnevaluatedCheck, say: Translator) -> str:
-    """Return the occasion of a check: a state by the field's name, a gear, a duty cycle."""
-    known = STATE_NAMES.get(c.when.name) if c.when.kind == "state" else None
-    return say(known) if known else say.occasion(c.when)
 
 
 def _operation_texts(at: OperatingPoint, say: Translator) -> tuple[str, str]:

@@ -7,7 +7,7 @@ from cardan.approval.approval import Approval
 from cardan.checks.quantities.declaration import Quantity
 from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.labels import WHOLE_LINE
-from cardan.core.verdict import Check, CheckGrade, UnevaluatedCheck
+from cardan.core.verdict import Check, UnevaluatedCheck
 from cardan.documents.criteria import (
     Criterion,
     CriterionKey,
@@ -17,7 +17,6 @@ from cardan.documents.criteria import (
     limit_qualifiers,
     mode_text,
     short_name,
-    state_name,
 )
 from cardan.documents.criterion_inputs import input_rows, is_at_line_torque
 from cardan.render.check_texts import limit_text, unit_text, value_text
@@ -25,6 +24,7 @@ from cardan.render.i18n import LANGUAGE_CODES, Translator
 from cardan.render.phrases import (
     assumed_range_phrase,
     citation,
+    grade_text,
     limit_grouping_key,
 )
 from cardan.render.screen_layout import title_lines
@@ -35,12 +35,6 @@ from cardan.topics.design.sensitivity import CheckSensitivity
 
 MAX_EXPLAINED = 6
 """Criteria that one text may name, at most; of more it names too little."""
-
-GRADE_TEXTS: dict[CheckGrade, str] = {
-    "fail": "exceeded",
-    "warn": "beyond recommended",
-    "pass": "met",
-}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,7 +129,7 @@ def _worst_case_lines(criterion: Criterion, say: Translator) -> Iterator[str]:
     c = criterion.worst
     value = f"{value_text(c, say)} {unit_text(c)}".rstrip()
     said = say.join(value, limit_text(c, say), say.margin_text(c.margin))
-    yield f"  {coloured_by_grade(c.grade, say(GRADE_TEXTS[c.grade]))}: {said}"
+    yield f"  {coloured_by_grade(c.grade, grade_text(c.grade, say))}: {said}"
     where = say.join(
         full_condition_text(c, say),
         f"{say.compact_number(c.point.torque, 4)} N·m" if c.point and is_at_line_torque(c) else "",
@@ -149,7 +143,7 @@ def _worst_case_lines(criterion: Criterion, say: Translator) -> Iterator[str]:
         inputs = say.join(*(assumed_range_phrase(a, say) for a in check.assumed))
         interval = f"{say('{low} to {high}', low=low, high=high)} {unit_text(check)}".rstrip()
         best, worst = (
-            say(GRADE_TEXTS[g]) for g in (check.best_possible_grade, check.worst_possible_grade)
+            grade_text(g, say) for g in (check.best_possible_grade, check.worst_possible_grade)
         )
         verdicts = best if best == worst else f"{best} / {worst}"
         possible = say("{verdicts} possible", verdicts=verdicts)
@@ -197,11 +191,11 @@ def _state_lines(criterion: Criterion, say: Translator) -> Iterator[str]:
     """Yield the worst value of each state."""
     worst: dict[str, Check] = {}
     for c in criterion.checks:
-        worst.setdefault(state_name(c, say), c)
+        worst.setdefault(say.occasion(c.when), c)
     if len(worst) > 1:
         yield f"  {say('Worst value of each state')}"
         rows = [
-            (name, value_text(c, say), unit_text(c), say(GRADE_TEXTS[c.grade]))
+            (name, value_text(c, say), unit_text(c), grade_text(c.grade, say))
             for name, c in worst.items()
         ]
         yield from (f"    {line}" for line in aligned_column_lines(rows, words=(0, 2, 3)))

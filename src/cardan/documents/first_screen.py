@@ -17,7 +17,6 @@ from cardan.core.labels import WHOLE_LINE
 from cardan.core.units import deg, rpm
 from cardan.core.verdict import CHECK_GRADES, Check, CheckGrade, UnevaluatedCheck
 from cardan.documents.criteria import (
-    STATE_NAMES,
     Criterion,
     CriterionKey,
     by_line,
@@ -42,13 +41,12 @@ from cardan.render.phrases import (
     limit_grouping_key,
 )
 from cardan.render.screen_layout import (
-    GRADE_MARKS,
     capped_item_lines,
     capped_list_lines,
     more_text,
     title_lines,
 )
-from cardan.render.terminal import bold, coloured_by_grade
+from cardan.render.terminal import GRADE_MARKS, bold, coloured_by_grade
 from cardan.render.text_layout import (
     DEFAULT_WIDTH_COLUMNS,
     NO_BREAK_SPACE,
@@ -484,10 +482,7 @@ def _graver_items(screen: _Screen) -> Iterator[str]:
             yield from failure_sentences(f, say)
     yield from _assumed_input_items(screen, worse=True)
     if of.state_kinds_not_given:
-        names = (
-            say(STATE_NAMES[kind]) if kind in STATE_NAMES else say.state(kind)
-            for kind in of.state_kinds_not_given
-        )
+        names = map(say.state, of.state_kinds_not_given)
         yield say("states not given, and not evaluated: {states}", states=", ".join(names))
     yield from _deciding_input_items(screen)
     yield from _assumed_input_items(screen, worse=False)

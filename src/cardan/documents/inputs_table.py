@@ -144,7 +144,7 @@ def _list_text(values: object, unit: float, name: str, say: Translator) -> str:
 def _general(a: Application, say: Translator) -> Iterator[tuple[str, str]]:
     yield say("limit profile"), a.profile
     yield say("shaft torque"), _quantity_text(a.torque, 1, "N·m", say)
-    yield say("coast torque"), _quantity_text(a.coast_torque, 1, "N·m", say)
+    yield say("overrun torque"), _quantity_text(a.coast_torque, 1, "N·m", say)
     yield say("shaft speed"), _quantity_text(a.speed, rpm, "rpm", say)
     yield say("shock factor"), say.compact_number(a.shock_factor)
     yield say("prime mover factor"), say.compact_number(a.prime_mover_factor)
@@ -244,7 +244,7 @@ def _suspension(s: Suspension | None, say: Translator) -> Iterator[tuple[str, st
         say("deflection at full rebound"),
         _quantity_text(s.full_rebound_deflection, mm, "mm", say),
     )
-    yield say("deflection at jounce"), _quantity_text(s.jounce_deflection, mm, "mm", say)
+    yield say("deflection at bump"), _quantity_text(s.jounce_deflection, mm, "mm", say)
     if not s.squats:
         yield say("squat"), say("left out")
 

@@ -1,6 +1,6 @@
 """Drawings of a line: where it runs, how its yokes stand, how its joints add up.
 
-Side view as seen from the vehicle's left (rear to the right, up is up), top view from
+Side view as seen from the vehicle's left (rear to the right, up is up), plan view from
 above (rear to the right, the vehicle's right up), end views looking forward from the axle.
 """
 
@@ -170,7 +170,7 @@ def has_known_geometry(response: LineResponse) -> bool:
 
 
 def line_drawings(response: LineResponse, say: Translator) -> tuple[Figure, ...]:
-    """Return every drawing of a line: views if it has lengths, no top view if it is straight."""
+    """Return every drawing of a line: views if it has lengths, no plan view if it is straight."""
     points = response.layout.points
     is_straight = float(np.ptp(points[..., UPWARD_AXIS_INDEX_BY_VIEW["top"]])) < LEAST_OFFSET_M
     names = ("side",) if is_straight else ("side", "top")
@@ -210,7 +210,7 @@ def side_or_top_view_drawing(response: LineResponse, say: Translator, *, name: s
     slopes = reference.side if is_side else reference.top
     angles = np.diff(slopes) if is_side else -np.diff(slopes)  # down the page is positive
     shown = joint_angles(reference.directions) if is_side else np.abs(angles)
-    title = say("Side view, from the left") if is_side else say("Top view")
+    title = say("Side view, from the left") if is_side else say("Plan view")
     if page.exaggeration == 1:
         scale = say("to scale")
     else:
@@ -596,7 +596,7 @@ def joint_plane_drawing(response: LineResponse, say: Translator) -> Figure:
         equal_aspect=True,
         width=460,
         height=380,
-        x_label=say("bend to the right, top view angle [deg]"),
+        x_label=say("bend to the right, plan view angle [deg]"),
         y_label=say("bend upward, − side view angle [deg]"),
     )
     for k, (bv, bh) in enumerate(zip(side, top, strict=True)):

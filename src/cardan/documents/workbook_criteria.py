@@ -14,7 +14,12 @@ from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.verdict import MARGIN_TOLERANCE, Check, CheckGrade, Limit
 from cardan.documents.workbook_limits import LimitSheet, WrittenLimit, colour_verdict_cells
 from cardan.render.i18n import Translator
-from cardan.render.phrases import check_location, limit_sense_symbol, worst_check_per_limit
+from cardan.render.phrases import (
+    check_location,
+    grade_text,
+    limit_sense_symbol,
+    worst_check_per_limit,
+)
 from cardan.render.xlsx import (
     CHANGED_INPUT_COUNT_CELL_NAME,
     CHANGED_LIMIT_COUNT_CELL_NAME,
@@ -121,7 +126,7 @@ def _write_exported(sheet: SheetWriter, check: Check, *, several: bool) -> tuple
     )
     cells = (
         say.name(q.key), check_location(check, say, several=several), value,
-        limit_sense_symbol(check, say), bound, q.unit_symbol, margin, say(check.grade),
+        limit_sense_symbol(check, say), bound, q.unit_symbol, margin, grade_text(check.grade, say),
         "", "", "", margin_in_words(margin, say),
     )  # fmt: skip
     for column, cell in enumerate(cells):
@@ -156,8 +161,8 @@ def _write_following(
     warns = "TRUE" if of.limit.band else f"ISNUMBER({written.cell(2)})"
     fail, warn, good = (_GRADE_ORDER[g] for g in ("fail", "warn", "pass"))
     grade = (
-        f'IF($H{row}="{say("fail")}",{fail},'
-        f'IF(OR($H{row}="{say("warn")}",AND({warns},$G{row}<-{MARGIN_TOLERANCE:.0e})),'
+        f'IF($H{row}="{grade_text("fail", say)}",{fail},'
+        f'IF(OR($H{row}="{grade_text("warn", say)}",AND({warns},$G{row}<-{MARGIN_TOLERANCE:.0e})),'
         f"{warn},{good}))"
     )
     at = "" if worst is None else judged.heads[worst[0]]
@@ -169,7 +174,7 @@ def _write_following(
         (2, value, book.short, unknown),
         (4, bound, book.short, unknown),
         (6, margin, book.margin, unknown),
-        (7, written.cell(judged.at), book.verdict, say(verdict) if verdict else ""),
+        (7, written.cell(judged.at), book.verdict, grade_text(verdict, say) if verdict else ""),
         (8, f'IF({CHANGED_INPUT_COUNT_CELL_NAME}>0,"{changed}","{computed}")', book.plain,
          computed),
         (9, f'IF(ISNUMBER($G{row}),{order},"")', book.wrapped, unknown),

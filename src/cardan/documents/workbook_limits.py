@@ -10,6 +10,7 @@ geometry is that of another torque. Margins, in columns of their own, follow the
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import copysign, isinf
 from typing import Any
 
@@ -25,7 +26,7 @@ from cardan.core.verdict import (
     Verdict,
     worst_verdict,
 )
-from cardan.render.phrases import citation, verdict_word
+from cardan.render.phrases import citation, grade_text, verdict_word
 from cardan.render.xlsx import (
     CHANGED_INPUT_COUNT_CELL_NAME,
     FIRST_STATE_COLUMN,
@@ -278,7 +279,7 @@ class LimitSheet:
             none = "*".join((*asked, f"(1-ISNUMBER({values}))"))
             changed = self._graded(row, of.limit, factor, values, asked, f"SUMPRODUCT({none})")
             if live.may_be_stale:
-                word, fails = self.say("stale"), f'"{self.say("fail")}"'
+                word, fails = self.say("stale"), f'"{grade_text("fail", self.say)}"'
                 changed = (
                     f'IF(COUNTIF({values},"{word}")>0,'
                     f'IF({changed}={fails},{fails},"{word}"),{changed})'
@@ -296,7 +297,7 @@ class LimitSheet:
             self.at,
             f"=IF({CHANGED_INPUT_COUNT_CELL_NAME}>0,{changed},{computed})",
             self.book.verdict,
-            self.say(verdict) if verdict else "",
+            grade_text(verdict, self.say) if verdict else "",
         )
 
     def _asked(self, of: LimitRow, live: LiveFormulas) -> Iterable[str]:
@@ -323,7 +324,7 @@ class LimitSheet:
         lacking: str, *, warns: bool = False,
     ) -> str:  # fmt: skip
         """Return the formula that grades values as `Limit.grade` does; it may warn at least."""
-        say, bounds = self.say, f"$C{row}:$D{row}"
+        say_grade, bounds = partial(grade_text, say=self.say), f"$C{row}:$D{row}"
         number = (*asked, f"ISNUMBER({values})")
 
         def past(which: str) -> str:
@@ -339,10 +340,11 @@ class LimitSheet:
         count = (
             f"SUMPRODUCT(--{number[0]})" if len(number) == 1 else f"SUMPRODUCT({'*'.join(number)})"
         )
-        end = f'IF({count}=0,"",IF({beyond},"{say("warn")}","{say("pass")}"))'
+        end = f'IF({count}=0,"",IF({beyond},"{say_grade("warn")}","{say_grade("pass")}"))'
         if limit.required:
-            end = f'IF({lacking}+({count}=0)*({self._ever(asked)})>0,"{say("incomplete")}",{end})'
-        return f'IF(COUNT({bounds})=0,"",IF({fails},"{say("fail")}",{end}))'
+            missing = f"{lacking}+({count}=0)*({self._ever(asked)})>0"
+            end = f'IF({missing},"{say_grade("incomplete")}",{end})'
+        return f'IF(COUNT({bounds})=0,"",IF({fails},"{say_grade("fail")}",{end}))'
 
     @staticmethod
     def _ever(asked: tuple[str, ...]) -> str:
@@ -369,7 +371,7 @@ class LimitSheet:
             edges = f"{value}/{normal}+{value}/{maximum}"
             chosen = f"IF(ISNUMBER({value}),IF({edges}<2,{normal},{maximum}),{normal})"
         else:
-            fails = f'${column_letters(self.at)}{row}="{self.say("fail")}"'
+            fails = f'${column_letters(self.at)}{row}="{grade_text("fail", self.say)}"'
             chosen = f"IF(ISNUMBER({normal})*NOT({fails}),{normal},{maximum})"
             held = f"COUNT({normal}:{maximum})>0"
         for k in np.flatnonzero(of.may_apply).tolist():
@@ -377,7 +379,7 @@ class LimitSheet:
             asks = (f"ISNUMBER({number})", held, *self._asked_if_changed(of, k))
             left = _margin_formula(number, of.limit, row, bound, factor)
             if of.validity_margin is not None and of.is_lower_bound[k]:
-                failed = f'${column_letters(self.at)}{row}="{self.say("fail")}"'
+                failed = f'${column_letters(self.at)}{row}="{grade_text("fail", self.say)}"'
                 left = f"IF({failed},{left},MIN({left},{of.validity_margin[k]:.15g}))"
             left = f"ROUND({left},{MARGIN_DIGITS})"
             self._computed(
@@ -512,19 +514,19 @@ def write_verdict(
     say, book = sheet.book.say, sheet.book
     places = [j.verdict_range for j in of if j.verdict_range]
 
-    def any_is(word: str) -> str:
-        return "+".join(f'SUMPRODUCT(--({p}="{say(word)}"))' for p in places) + ">0"
+    def any_is(said: str) -> str:
+        return "+".join(f'SUMPRODUCT(--({p}="{said}"))' for p in places) + ">0"
 
     found: list[Verdict] = [v for j in of for v in j.found]
     cached = texts[worst_verdict(found) if found else "incomplete"]
     formula = f'"{texts["incomplete"]}"'
     if places:
         # Where nothing was requested nothing is approved either.
-        formula = f'IF({any_is("pass")},"{texts["pass"]}",{formula})'
+        formula = f'IF({any_is(grade_text("pass", say))},"{texts["pass"]}",{formula})'
         for grade in VERDICTS[1:-1]:
-            formula = f'IF({any_is(grade)},"{texts[grade]}",{formula})'
-        formula = f'IF({any_is("stale")},"{say("stale: run cardan again")}",{formula})'
-        formula = f'IF({any_is("fail")},"{texts["fail"]}",{formula})'
+            formula = f'IF({any_is(grade_text(grade, say))},"{texts[grade]}",{formula})'
+        formula = f'IF({any_is(say("stale"))},"{say("stale: run cardan again")}",{formula})'
+        formula = f'IF({any_is(grade_text("fail", say))},"{texts["fail"]}",{formula})'
     sheet.sheet.write_string(row, 0, say("Verdict"), book.title)
     sheet.sheet.write_formula(row, 1, "=" + formula, book.verdict, cached)
     if name:
@@ -548,7 +550,7 @@ def colour_verdict_cells(
     said: list[tuple[str, Any]] = [
         *(
             (
-                texts[g] if texts else book.say(g),
+                texts[g] if texts else grade_text(g, book.say),
                 book.graded["warn"] if partial and g == "pass" else style,
             )
             for g, style in book.graded.items()

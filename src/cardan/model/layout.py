@@ -60,7 +60,7 @@ def unit_vector(vector: ArrayLike) -> FloatArray:
 
 
 def direction_from_slopes(*, side: ArrayLike, top: ArrayLike) -> FloatArray:
-    """Return unit vectors (..., 3) of members with side and top view slopes (...) rad.
+    """Return unit vectors (..., 3) of members with side and plan view slopes (...) rad.
 
     A slope is the angle seen in its view, so d is along (1, tan top, -tan side).
     """

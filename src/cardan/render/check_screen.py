@@ -9,8 +9,8 @@ from cardan.core.verdict import CHECK_GRADES, Check, worst_first_key
 from cardan.render.check_texts import limit_text, uncapitalised, value_text
 from cardan.render.i18n import Translator
 from cardan.render.phrases import limit_grouping_key
-from cardan.render.screen_layout import GRADE_MARKS, capped_list_lines
-from cardan.render.terminal import bold
+from cardan.render.screen_layout import capped_list_lines
+from cardan.render.terminal import GRADE_MARKS, bold
 from cardan.render.text_layout import table_lines
 
 MAX_TABLE_LINES = 14

@@ -30,10 +30,19 @@ UNTRANSLATED_MESSAGES_SEEN: set[tuple[str, str]] = set()
 
 _SUSPENSION_STATES = frozenset(get_args(SuspensionState))
 
+_STATE_NAMES = {
+    "jounce": "bump",
+    "windup": "axle wind-up (drive)",
+    "windup brake": "axle wind-up (braking)",
+}
+"""States by the field's names, where those differ from the keys of a file."""
+
 _SOURCE_SEPARATORS = re.compile(r"(; |: |, (?=citing )| \(|\))")
 """What stands between the pieces of a source."""
 
-_PUBLICATION_PLACES = re.compile(r"(?<=, )(ch\.|chapter|section|table)(?= \d)")
+_PUBLICATION_PLACES = re.compile(
+    r"(?<=, )(ch\.|chapter|section|table|example|equation|figure)(?= \d)"
+)
 """Words for a place in a publication, ahead of its number."""
 
 TranslationKey = tuple[str, str]
@@ -206,7 +215,7 @@ class Translator:
     def source(self, said: str) -> str:
         """Return what a source says in our words; titles of publications stay as they are.
 
-        A source is made of pieces, `normal 0.67 (safety 1.5): House practice, assumed`, and a
+        A source is made of pieces, `normal 0.67: Engineering judgement, assumed`, and a
         piece that the catalogue has is said in the language.
         """
         if self.code == "en":
@@ -297,9 +306,8 @@ class Translator:
 
     def state(self, name: str) -> str:
         """Return a state's name: one of the suspension's in the language, else as it is."""
-        if name == "jounce":  # the file's key; bump is the field's name
-            return self("bump")
-        return self(name) if name in _SUSPENSION_STATES or name == "as given" else name
+        known = name in _SUSPENSION_STATES or name == "as given"
+        return self(_STATE_NAMES.get(name, name)) if known else name
 
     def number(self, value: float, figures: int = 4) -> str:
         """Return a number as an engineer writes it down: four figures."""

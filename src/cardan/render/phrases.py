@@ -11,9 +11,10 @@ from cardan.application.quantity_lookup import declared_quantity
 from cardan.approval.study import StudyResult
 from cardan.core.errors import FileIssue, InvalidFileError, OptionError
 from cardan.core.labels import WHOLE_LINE
-from cardan.core.provenance import Source
+from cardan.core.provenance import Source, provenance_text
 from cardan.core.units import rpm
 from cardan.core.verdict import (
+    GRADE_TEXTS,
     VERDICTS,
     AssumedRange,
     Check,
@@ -49,6 +50,11 @@ class CurvesOverSpeed(Protocol):
         ...
 
 
+def grade_text(grade: Verdict, say: Translator) -> str:
+    """Return what a grade of a criterion is called: exceeded, beyond recommended, met."""
+    return say(GRADE_TEXTS[grade])
+
+
 def approval_counts_text(of: "Approval", say: Translator) -> str:
     """Return how many checks have each grade, the worst first, and how many are not evaluated."""
     return check_counts_text(of.checks, say, of.coverage.unevaluated)
@@ -58,9 +64,11 @@ def check_grade_count_texts(checks: Iterable[Check], say: Translator) -> dict[Ch
     """Return how many checks have each grade in words, the worst first."""
     grades = [c.grade for c in checks]
     return {
-        "fail": say.count("{count} fail", "{count} fail", grades.count("fail")),
-        "warn": say.count("{count} warn", "{count} warn", grades.count("warn")),
-        "pass": say.count("{count} pass", "{count} pass", grades.count("pass")),
+        "fail": say.count("{count} exceeded", "{count} exceeded", grades.count("fail")),
+        "warn": say.count(
+            "{count} beyond recommended", "{count} beyond recommended", grades.count("warn")
+        ),
+        "pass": say.count("{count} met", "{count} met", grades.count("pass")),
     }
 
 
@@ -128,9 +136,9 @@ _ASSUMED_INTERVAL_TEXTS = (
     "between {low} and {high} with {inputs}",
 )
 _POSSIBLE_GRADE_TEXTS = {
-    "pass": "by that it may pass",
-    "warn": "by that it may warn",
-    "fail": "by that it may fail",
+    "pass": "by that it may be met",
+    "warn": "by that it may be beyond recommended",
+    "fail": "by that it may be exceeded",
 }
 
 
@@ -197,7 +205,7 @@ def check_state_phrase(c: Check | UnevaluatedCheck, say: Translator) -> str:
     }
     still = {
         "drive": "pulling away in gear {gear}" if at.gear else "pulling away",
-        "coast": "coasting to a stop in gear {gear}" if at.gear else "coasting to a stop",
+        "coast": "overrun to a stop in gear {gear}" if at.gear else "overrun to a stop",
         "reverse": "pulling away in reverse",
         "brake": "braking to a stop in gear {gear}" if at.gear else "braking to a stop",
     }
@@ -273,7 +281,7 @@ VERDICT_TEXTS: dict[Verdict, str] = {
     "incomplete": "incomplete",
     "fail": "not approved",
 }
-"""What a verdict means to a signer; the grade of a single check keeps its own word."""
+"""What a verdict means to a signer; a single check has its own words, `GRADE_TEXTS`."""
 
 _NOT_EVALUATED_TEXTS: dict[tuple[str, ...], str] = {
     ("speed",): "speed not evaluated",
@@ -394,8 +402,8 @@ def _unevaluated_line(
     )
     name = say.join(say.name(first.quantity), *(parts if len(parts) <= 3 else ()))
     if required:
-        return say("{name}: required, and needs {needs}", name=name, needs=needs)
-    return say("{name}: needs {needs}", name=name, needs=needs)
+        return say("{name}: required, input missing: {needs}", name=name, needs=needs)
+    return say("{name}: input missing: {needs}", name=name, needs=needs)
 
 
 def doubtful_value_count_text(of: "Approval", say: Translator) -> str:
@@ -477,9 +485,10 @@ def source_digitisation_phrase(source: Source, say: Translator) -> str:
         return ""
     words = dict.fromkeys(word for _, word in source.apart)
     differ = (
-        f"{', '.join(name for name, w in source.apart if w == word)}: {say(word)}" for word in words
+        f"{', '.join(name for name, w in source.apart if w == word)}: {say(provenance_text(word))}"
+        for word in words
     )
-    return "; ".join((say(source.how_read), *differ))
+    return "; ".join((say(provenance_text(source.how_read)), *differ))
 
 
 def source_date_and_version_facts(

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from cardan.core.verdict import CheckGrade, Verdict
+from cardan.core.verdict import Verdict
 from cardan.render.i18n import Translator
 from cardan.render.phrases import is_partial_approval, verdict_text
 from cardan.render.terminal import bold, coloured_by_grade
@@ -11,8 +11,6 @@ from cardan.render.text_layout import display_width, fold_lines, wrap_text
 
 if TYPE_CHECKING:  # a recording does not wait for the physics of a driveline
     from cardan.approval.approval import Approval
-
-GRADE_MARKS: dict[CheckGrade, str] = {"fail": "X", "warn": "!", "pass": " "}
 
 
 def title_and_verdict_lines(title: str, said: str, grade: Verdict, width: int) -> list[str]:

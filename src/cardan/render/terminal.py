@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from cardan.application.quantity_lookup import declared_quantity
 from cardan.approval.coverage import CheckCoverage
-from cardan.core.verdict import CHECK_GRADES, Check, UnevaluatedCheck, Verdict, worst_first_key
+from cardan.core.verdict import Check, CheckGrade, UnevaluatedCheck, Verdict, worst_first_key
 from cardan.render.blocks import Table
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import (
@@ -15,6 +15,7 @@ from cardan.render.phrases import (
     check_location,
     citation,
     doubtful_value_count_text,
+    grade_text,
     is_partial_approval,
     note_sentences,
     unevaluated_limit_lines,
@@ -32,6 +33,9 @@ VERDICT_COLOUR_CODES: dict[Verdict, str] = {
     "pass": "\x1b[32m", "warn": "\x1b[33m", "incomplete": "\x1b[35m", "fail": "\x1b[1;31m",
 }  # fmt: skip
 
+
+GRADE_MARKS: dict[CheckGrade, str] = {"fail": "X", "warn": "!", "pass": " "}
+"""What a row of a check begins with: X is exceeded, ! is beyond recommended."""
 
 BOLD_CODE, RESET_CODE = "\x1b[1m", "\x1b[0m"
 
@@ -176,7 +180,7 @@ def check_table_lines(
     if not rows:
         return
     sources = list(dict.fromkeys(citation(c.limit.source, say) for c in rows))
-    grade = 2 + max(len(say(g)) for g in CHECK_GRADES)
+    grade = 2
     numbers = _aligned_lines(
         [(say("value"), "", say("limit"), say("unit"), say("margin"), "")]
         + [_check_cells(c, say, sources.index(citation(c.limit.source, say)) + 1) for c in rows],
@@ -201,10 +205,19 @@ def check_table_lines(
             lines = [*wrap_text(what, room), *(f"  {x}" for x in wrap_text(at, width - grade - 2))]
         first, *others = lines
         yield (
-            f"{coloured_by_grade(c.grade, f'{say(c.grade):<{grade}}')}{first:<{room + 2}}{row}"
+            f"{coloured_by_grade(c.grade, f'{GRADE_MARKS[c.grade]:<{grade}}')}"
+            f"{first:<{room + 2}}{row}"
         ).rstrip()
         yield from (f"{'':{grade}}{line}" for line in others)
+    yield from grade_mark_lines(rows, say, width)
     yield from fold_lines((f"  [{k}] {source}" for k, source in enumerate(sources, 1)), width)
+
+
+def grade_mark_lines(rows: Iterable[Check], say: Translator, width: int) -> Iterator[str]:
+    """Yield what X and ! before rows of checks mean, where one stands there."""
+    grades = {c.grade for c in rows}
+    marks = [f"{GRADE_MARKS[g]} {grade_text(g, say)}" for g in ("fail", "warn") if g in grades]
+    yield from fold_lines([f"  {', '.join(marks)}"] if marks else [], width)
 
 
 def _check_cells(c: Check, say: Translator, source: int) -> tuple[str, ...]:

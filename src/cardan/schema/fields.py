@@ -187,7 +187,7 @@ Slopes: TypeAlias = Annotated[
         most=20,
     ),
 ]
-"""Side view; in the top view a line may well be straight, so nothing is unusual there."""
+"""Side view; in the plan view a line may well be straight, so nothing is unusual there."""
 PlanViewSlope: TypeAlias = Annotated[
     float, NumberField(*ANGLE_KEY_UNITS, above=-MAX_SHAFT_SLOPE_RAD, below=MAX_SHAFT_SLOPE_RAD)
 ]

@@ -5,6 +5,7 @@ unless it plainly is a number, true or false: `no` is not false, 1:30 not ninety
 other readers of YAML take in different ways (010, 2,7, 1 800) is never taken at all.
 """
 
+import codecs
 import re
 import unicodedata
 from collections.abc import Mapping as Mapped
@@ -499,21 +500,52 @@ def read_text(path: Path) -> str:
     InvalidFileError
         If it cannot be read, is no UTF-8 text, or far too long to be meant.
     """
+    data = _read_bytes(path)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        problem = FileIssue(
+            message=f"byte {data[error.start]:#04x} is no UTF-8",
+            hint="save the file with the encoding UTF-8",
+            line=before.count(b"\n") + 1,
+            column=len(before) - before.rfind(b"\n"),
+        )
+    raise InvalidFileError(str(path), (problem,))
+
+
+def read_table_text(path: Path) -> str:
+    """Return the text of a table: UTF-8, or UTF-16 with its byte order mark.
+
+    UTF-16 is what Excel writes as "Unicode text".
+
+    Raises
+    ------
+    InvalidFileError
+        If it cannot be read, is text of neither encoding, or far too long to be meant.
+    """
+    data = _read_bytes(path)
+    if not data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return read_text(path)
+    try:
+        return data.decode("utf-16")
+    except UnicodeDecodeError:
+        problem = FileIssue(
+            message="its UTF-16 text is cut off or damaged",
+            hint="save the file again, with the encoding UTF-8 or UTF-16",
+        )
+    raise InvalidFileError(str(path), (problem,))
+
+
+def _read_bytes(path: Path) -> bytes:
+    """Return the bytes of a file that is not far too long to be meant."""
     try:
         status = path.stat()
         if not S_ISREG(status.st_mode):
             raise InvalidFileError(str(path), (FileIssue(message="this is no file"),))
         if status.st_size > 4 * MAX_FILE_CHARACTERS:
             raise InvalidFileError(str(path), (_too_long(f"{status.st_size / 1e6:.0f} MB"),))
-        return path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        before = error.object[: error.start]
-        problem = FileIssue(
-            message=f"byte {error.object[error.start]:#04x} is no UTF-8",
-            hint="save the file with the encoding UTF-8",
-            line=before.count(b"\n") + 1,
-            column=len(before) - before.rfind(b"\n"),
-        )
+        return path.read_bytes()
     except (OSError, ValueError) as error:  # a ValueError: no file can have such a name
         said = getattr(error, "strerror", None) or error
         problem = FileIssue(message=f"cannot be read: {said}", hint=_neighbour(path))

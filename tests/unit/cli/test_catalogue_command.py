@@ -116,12 +116,12 @@ def test_tube_selection_checks_shear_and_critical_speed():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["joints", "--for", "1200Nm"], ["2C", "re-read", "fit"]),
+        (["joints", "--for", "1200Nm"], ["2C", "checked", "fit"]),
         (["joints", "--for", "885 lb-ft"], ["2C", "fit"]),
         (["tubes", "--for", "1,2kNm"], ["kg/m", "shear"]),
-        (["joint", "1810"], ["bearing_Td_Nm", "how it was read: second hand"]),
+        (["joint", "1810"], ["bearing_Td_Nm", "how it was read: quoted"]),
         (["tyres", "R22.5"], ["315/80 R22.5"]),
-        (["limits", "torsional_acceleration"], ["500", "second hand"]),
+        (["limits", "torsional_acceleration"], ["500", "quoted"]),
         (["limits"], ["balance_grade"]),
         (["bearings"], ["Toyota", "NO rating"]),
         (["torsion"], ["clutch"]),
@@ -179,13 +179,13 @@ def test_catalogue_of_application_file_is_searched(tmp_path):
     )
     result = run("joints", "--for", "1200Nm", "--file", str(tmp_path / "truck.yaml"))
     assert result.output.splitlines()[1].startswith("ours")
-    assert "drawing 4 (re-read)" in result.output
+    assert "drawing 4 (checked)" in result.output
 
 
 def test_explain_lists_limits_of_quantity_with_reading():
     told = CliRunner(env=WIDE).invoke(cli, ["explain", "tube_shear_utilisation"]).output
     assert "Limits (heavy-truck): normal <= 0.6700, maximum <= 1.000" in told
-    assert "House practice (by definition; normal: assumed)" in told
+    assert "Engineering judgement (by definition; normal: assumed)" in told
     band = CliRunner().invoke(cli, ["explain", "half_critical_band"]).output
     assert "outside 0.4200 … 0.5800" in band
 
@@ -205,7 +205,7 @@ def test_check_json_has_reading_of_bound_and_data():
     printed = (
         CliRunner(env=WIDE).invoke(cli, ["check", str(file), "--lang", "pt", "--sources"]).output
     )
-    assert "tubo 120x4 (árvore 1, árvore 2, árvore 3): conferido; material: adotado" in printed
+    assert "tubo 120x4 (cardan 1, cardan 2, cardan 3): conferido; material: adotado" in printed
 
 
 @pytest.mark.parametrize(

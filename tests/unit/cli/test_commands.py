@@ -24,6 +24,7 @@ from cardan.checks.quantities.registry import QUANTITIES
 from cardan.cli import cli
 from cardan.cli.common import progress_line
 from cardan.core.errors import DesignError
+from cardan.core.message import TranslatableMessage
 from cardan.core.provenance import SOURCE_DERIVED
 from cardan.topics.design.corrections import find_corrections
 from cardan.topics.torsion.study import analyse_vibration
@@ -606,7 +607,11 @@ def test_verify_uses_many_sources_and_marks_derived_cases():
 def test_published_value_must_agree_to_last_digit():
     """Printed 12.3, so 12.25 to 12.35; what is no number is not met."""
     case = BenchmarkCase(
-        title="", source=SOURCE_DERIVED, expected=12.3, computed=12.34, tolerance=0.05
+        title=TranslatableMessage(""),
+        source=SOURCE_DERIVED,
+        expected=12.3,
+        computed=12.34,
+        tolerance=0.05,
     )
     assert case.is_within_tolerance
     for computed in (12.36, 12.24, float("nan")):

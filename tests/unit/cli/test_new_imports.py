@@ -4,6 +4,7 @@ Jobs are written here, with invented numbers; keys and headings are those of VEC
 """
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +12,11 @@ import pytest
 from click.testing import CliRunner, Result
 
 from cardan.application import reader
+from cardan.application.bep_measures import read_measures
 from cardan.application.duty_collective import duty_classes, text_with_duty
 from cardan.application.hardpoint_table import read_hardpoints
 from cardan.application.simulated_duty import read_simulated_duty
+from cardan.application.templates import template_text
 from cardan.approval.approval import approve_application
 from cardan.cli import cli
 from cardan.core.errors import DesignError, InvalidFileError
@@ -440,6 +443,34 @@ def test_hardpoints_of_csv_and_spreadsheet_move_line(tmp_path, table):
     assert installed.line.shafts[0].centre_bearing.from_rear_joint == pytest.approx(
         place * mm, abs=1e-6
     )
+
+
+@pytest.mark.parametrize("encoding", ["utf-16-le", "utf-16-be"])
+def test_table_in_utf_16_is_read_as_in_utf_8(tmp_path, encoding):
+    """Excel's "Unicode text": a byte order mark, tabs, CRLF, decimal commas."""
+    table = converted(POINTS, "\t", ",").replace("\n", "\r\n")
+    data = f"\ufeff{table}".encode(encoding)
+    (tmp_path / "p.txt").write_bytes(data)
+    (tmp_path / "plain.csv").write_text(POINTS, "utf-8")
+    assert read_hardpoints(tmp_path / "p.txt") == read_hardpoints(tmp_path / "plain.csv")
+    (tmp_path / "p.txt").write_bytes(data[:-1])
+    with pytest.raises(InvalidFileError, match="UTF-16 text is cut off or damaged"):
+        read_hardpoints(tmp_path / "p.txt")
+
+
+def test_catalogue_measures_and_vecto_table_may_be_utf_16(tmp_path):
+    (tmp_path / "b.txt").write_bytes("code\tvalue [mm]\nBEP-L010\t4100,5\n".encode("utf-16"))
+    assert read_measures(tmp_path / "b.txt").values == {"L010": pytest.approx(4.1005)}
+    (tmp_path / "o.csv").write_bytes(
+        "name,maker,peak_Nm,source,how_read\nÖ9,us,9000,ours,assumed\n".encode("utf-16")
+    )
+    file = tmp_path / "own.yaml"
+    text = template_text("small").replace("driveline:", "catalogues: [o.csv]\ndriveline:", 1)
+    file.write_text(re.sub(r"(?m)joints: \w+", "joints: Ö9", text), "utf-8")
+    assert {j.peak_torque for j in reader.read(file).lines[0].line.joints} == {9000}
+    results = tmp_path / "town.vmod"
+    results.write_bytes("dt [s],T_gbx_out [Nm],n_gbx_out_avg [rpm]\n1,8,10\n".encode("utf-16"))
+    assert read_simulated_duty(results).torque == pytest.approx([8])
 
 
 @pytest.mark.parametrize("sign", [",", ";", "\t", "|"])

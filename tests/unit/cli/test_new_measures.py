@@ -272,4 +272,4 @@ def test_results_of_vecto_2_give_power_into_axle(tmp_path):
     assert found.speed == pytest.approx([80, 80])  # 10 m/s over 0.5 m, times 4
     assert sorted(found.torque) == pytest.approx([12e3 / 80, 80e3 / 80])
     assert found.overrun_share == pytest.approx(1 / 3)  # the last row lasts no time
-    assert "columns Pwheel, Pbrake, Ploss Diff and v_act" in found.origin
+    assert "columns Pwheel, Pbrake, Ploss Diff, v_act" in str(found.origin)

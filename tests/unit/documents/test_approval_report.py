@@ -478,7 +478,7 @@ def test_yoke_phase_is_seen_in_side_view(phase, drawn_alike):
 def test_straight_line_has_no_top_view():
     found = approve_driveline(reader.read(ROOT / "examples/van.yaml"))
     titles = [f.title for f in line_drawings(found.line_responses[0], ENGLISH)]
-    assert not any("Top view" in t for t in titles)
+    assert not any("Plan view" in t for t in titles)
 
 
 def test_suspension_travel_curve_passes_through_states(truck):
@@ -690,7 +690,9 @@ def test_checks_not_evaluated_are_counted_if_required_or_not():
              "{quantity: joint_life, maximum: 5000, source: us}"  # fmt: skip
     found = approve_driveline(reader.loads(text.replace("LIMITS", limits)))
     assert found.verdict == "pass"
-    assert approval_counts_text(found, ENGLISH) == "0 fail, 0 warn, 3 pass, 3 not evaluated"
+    assert approval_counts_text(found, ENGLISH) == (
+        "0 exceeded, 0 beyond recommended, 3 met, 3 not evaluated"
+    )
 
 
 # One white pixel.
@@ -882,7 +884,7 @@ def test_report_names_required_checks_not_evaluated():
     found = approve_application(limited(FLAT, LIVES | {"required": True}))
     assert found.verdict == "incomplete"
     (said,) = what_to_change(found)
-    assert said.endswith("required, and needs a campaign of recordings, by --recording")
+    assert said.endswith("required, input missing: a campaign of recordings, by --recording")
 
 
 # --------------------------------------------------------------------------- the sheet to sign
@@ -937,7 +939,7 @@ def test_sheet_sets_what_is_required_against_what_is_achieved():
     table, count, *_ = approval_sheet(found, helps=(), fixes=(), say=ENGLISH, state=None).blocks
     worst = max(c.value for c in found.checks if c.quantity == "joint_angle") / deg
     verdict, name, _, required, achieved, margin = table.rows[0]
-    assert (verdict, required, margin) == ("fail", "max 0.01 deg", "far beyond")
+    assert (verdict, required, margin) == ("exceeded", "max 0.01 deg", "far beyond")
     assert name.startswith("Joint angle")
     assert achieved == f"{worst:.3g} deg"
     criteria = {(c.quantity, c.limit) for c in found.checks}
@@ -1051,8 +1053,11 @@ def test_shaft_without_tube_has_no_critical_speed_bar():
 @pytest.mark.parametrize(
     ("bounds", "graded"),
     [
-        ("band: [0.42, 0.58]", r'IF\(FALSE,"fail",.*IF\(SUMPRODUCT\([^"]*\)>0,"warn","pass"\)'),
-        ("maximum: 0.58", r'IF\(IF\(ISNUMBER\(\$D\d+\),SUMPRODUCT.*,"fail",'),
+        (
+            "band: [0.42, 0.58]",
+            r'IF\(FALSE,"exceeded",.*IF\(SUMPRODUCT\([^"]*\)>0,"beyond recommended","met"\)',
+        ),
+        ("maximum: 0.58", r'IF\(IF\(ISNUMBER\(\$D\d+\),SUMPRODUCT.*,"exceeded",'),
     ],
 )
 def test_workbook_grades_limit_above_angle_as_check_does(bounds, graded):

@@ -75,8 +75,8 @@ def test_proposal_from_fail_to_warn_is_compared_with_its_own_limit(proposals):
     of = with_checks(proposals[0], [peak(5600.0)], [peak(4600.0)])
     said = " ".join(" ".join(screen((of,))).split())
     assert (
-        "Improved: centre bearing 2, peak force 5.60 (max 5 kN) -> 4.60 (max 3 kN), fail -> warn"
-        in said
+        "Improved: centre bearing 2, peak force 5.60 (max 5 kN) -> 4.60 (max 3 kN), "
+        "exceeded -> beyond recommended" in said
     )
     assert not re.search(r"-\d+ %", said)
     # What the proposal leaves exceeded stands above, and what it makes so with both verdicts.

@@ -100,7 +100,7 @@ def test_margin_beyond_its_limit_by_all_of_it_is_words(margin, shown):
 
 
 def test_limit_of_engineering_judgement_has_a_star():
-    ours = replace(FORCE, source=Source("House practice", how_read="assumed"))
+    ours = replace(FORCE, source=Source("Engineering judgement", how_read="assumed"))
     assert limit_text(check(4001.0, ours), ENGLISH) == "max 2.5 kN*"
     assert limit_text(check(4001.0, ours), Translator("pt")) == "máx. 2,5 kN*"
 

@@ -161,7 +161,7 @@ def test_combined_excitation_of_tandem_lines_beyond_limit_is_reported():
         found = approve_driveline(reader.loads(yaml.safe_dump(table)))
         told.append([str(n) for n in found.note_messages if "where both swing alike" in str(n)])
     assert told[0] == ["where both swing alike the pinion of line inter-axle has 109.9 rad/s² for "
-                       "25.1 in windup brake: fail"]  # fmt: skip
+                       "25.1 in windup brake: exceeded"]  # fmt: skip
     assert told[1] == []
 
 

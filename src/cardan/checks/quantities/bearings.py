@@ -190,8 +190,8 @@ def _dead_load(r: LineResponse) -> FloatArray:
 
 
 NEEDS_THRUST_EQUILIBRIUM = Requirement(
-    required_input="states full rebound and jounce: the spline's slip force passes the line's "
-    "critical compression, and only the suspension's stroke limits it",
+    required_input="states full rebound and bump (`jounce`): the spline's slip force passes the "
+    "line's critical compression, and only the suspension's stroke limits it",
     is_met=lambda r: (
         np.array([[True]])
         if r.mounts.stroke_thrust is None
@@ -246,11 +246,11 @@ _TO_THRUST = (
 _ON_RUBBER = (
     "At the worst operating point of the state, from standstill to top speed in every gear and "
     "direction, on the rubber: a steady response, which passing quickly does not reach. A bearing "
-    "without a stiffness is rigid and carries what statics tells, at any speed: on rubber, where "
-    "an order meets a mode, that is several times as much. Rubber is linear up to its stop (15 mm, "
-    "assumed, where travel_mm is not given), and 5 to 20 times as stiff beyond it (assumed): the "
-    "largest motion that is stable, by harmonic balance. If that is not solved, limits hold a "
-    "lower bound, which never passes."
+    "without a stiffness is rigid and carries the static force at any speed: on rubber, where an "
+    "order is in resonance with a mode, it is several times as large. Rubber is linear up to its "
+    "stop (15 mm, assumed, where travel_mm is not given), and 5 to 20 times as stiff beyond it "
+    "(assumed): the largest motion that is stable, by harmonic balance. If that is not solved, "
+    "limits hold a lower bound, which never passes."
 )
 
 
@@ -300,7 +300,7 @@ DECLARATIONS = (
         symbol_meanings={
             "worst thrust": "of the sliding fit: none, or what the suspension's stroke reaches "
             "either way within the slip force, at the place where the axle then is; of a line "
-            "whose stroke nobody knows the whole slip force"
+            "whose stroke is unknown the whole slip force"
         },
         source=SOURCE_DERIVED,
         validity=_ON_RUBBER,
@@ -373,7 +373,7 @@ DECLARATIONS = (
         equation="Fp = Fs + Fd + F1",
         symbol_meanings={
             "Fs, Fd": "static and dynamic force",
-            "F1": "0-to-peak of the unbalance, where it is asked for",
+            "F1": "0-to-peak of the unbalance, if it is evaluated",
         },
         source=SOURCE_DERIVED,
         validity=_ON_RUBBER,
@@ -406,15 +406,14 @@ DECLARATIONS = (
             "us": "of torque and worst thrust; weight set the line where it hangs before",
             "v, l": "vertical and lateral, across the shaft",
             "u2, u4, u6": "0-to-peak along the major axis of the ellipse of each order",
-            "u1": "of the unbalance, where it is asked for",
+            "u1": "of the unbalance, if it is evaluated",
             "k, η": "stiffness and loss factor of the rubber",
         },
         source=SOURCE_DERIVED,
         validity="At the worst operating point, which need not be that of the peak force where "
-        "rubber "
-        "is softer one way. On the bearing's own rubber: what a bracket told apart gives is not in "
-        "it, that of a bracket within the stiffness is. The rubber goes on as it begins, beyond "
-        "its stop too.",
+        "rubber is softer one way. On the bearing's own rubber: the deflection of a separate "
+        "bracket is not in it, that of a bracket within the stiffness is. The rubber stays linear, "
+        "beyond its stop too.",
         compute=lambda r: _travel(r)[..., _on_own_rubber(r)],
         find_worst_points=_where_farthest(_on_own_rubber),
         has_resonance=True,
@@ -434,7 +433,7 @@ DECLARATIONS = (
             "u0": "travel of the rubber, from where the line hangs to its stop",
         },
         source=SOURCE_DERIVED,
-        validity="Asked of bearings whose travel_mm an application gives. Above 1 the rubber "
+        validity="Of bearings whose travel_mm an application gives. Above 1 the rubber "
         "meets its stop, and forces are those of a bearing that is stiffer beyond it.",
         compute=_over_stop,
         find_worst_points=_where_farthest(_stopped),
@@ -458,7 +457,7 @@ DECLARATIONS = (
         },
         source=SOURCE_DERIVED,
         validity="At the state's largest torque, at worst over the stroke; of a line whose "
-        "stroke nobody knows with the whole slip force. At 1 the line on its rubber buckles; "
+        "stroke is unknown with the whole slip force. At 1 the line on its rubber buckles; "
         "forces of thrust grow as 1 / (1 − P/Pk).",
         compute=lambda r: _of_stroke(r, "utilisation")[..., : len(line_on_rubber(r))],
         depends_on_mounts=True,
@@ -571,7 +570,7 @@ DECLARATIONS = (
         equation="Fk = F2 + F4 + F6,  F = Z q − f",
         symbol_meanings={
             "F2, F4, F6": "0-to-peak along the major axis of the force ellipse of each order",
-            "Z": "what motion q of the line asks of a joint: stiffness, gyroscope and mass",
+            "Z": "what motion q of the line requires of a joint: stiffness, gyroscope and mass",
             "f": "the crosses' moments on it",
         },
         source=SOURCE_DERIVED,

@@ -146,7 +146,7 @@ DECLARATIONS = (
         unit="mm",
         equation="cr = c + a · us + min(0, a · ut) − Σ |a · uk|",
         symbol_meanings={
-            "c": "clearance, with rubber that does not give (clearance)",
+            "c": "clearance, without deflection of the rubber (clearance)",
             "a": "direction from obstacle to shaft, where they are nearest",
             "us": "how far the torque takes the shaft there on its rubber, from where it hangs",
             "ut": "what thrust of the sliding fit adds, pushed in or drawn out by the suspension",

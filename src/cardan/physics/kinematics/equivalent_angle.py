@@ -72,7 +72,7 @@ TRUE_ANGLE_FORMULAS: dict[str, Callable[[ArrayLike, ArrayLike], FloatArray]] = {
     "elbe": true_angle_from_tangents,
     "pythagoras": true_angle_by_pythagoras,
 }
-"""Approximations of the true joint angle from its side and top view angles, by name."""
+"""Approximations of the true joint angle from its side and plan view angles, by name."""
 
 
 def joint_plane_angle(side: ArrayLike, top: ArrayLike) -> FloatArray:

@@ -2,7 +2,7 @@ r"""Centre-bearing forces at small angles, in closed form.
 
 At small angles a shaft's two joints leave over a mean couple and one that turns with the
 shaft. With the change of direction at joint k as a complex number across the line, y + i z,
-which is Δ_k = top view angle less i times side view angle, and the torque T,
+which is Δ_k = plan view angle less i times side view angle, and the torque T,
 
 $$q_k = \frac{\Delta_k + \Delta_{k+1}
         + (s_k \Delta_k^* - s_{k+1} \Delta_{k+1}^*)\, e^{2 i \theta}}{L_k},

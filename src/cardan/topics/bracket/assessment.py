@@ -226,30 +226,32 @@ def bracket_checks(
             )  # fmt: skip
             yield (
                 replace(one, deciding_inputs=(BOLT_CONTACT_SETTLED_BY_KEY,))
-                if _parted(of, one, v.kinder)
+                if _parted(of, one, v.favourable)
                 else one
             )
 
 
-def _parted(of: BracketResult, one: Check, kinder: float) -> bool:
+def _parted(of: BracketResult, one: Check, favourable: float) -> bool:
     """Return whether the two ways to hold the flange give two verdicts; the worse is reported.
 
-    Or leave a life that may fall short more open than contact does. Nowhere where `kinder` is nan.
+    Or leave a life that may fall short more open than contact does. Nowhere where `favourable` is
+    nan.
     """
-    if np.isnan(kinder):
+    if np.isnan(favourable):
         return False
-    if one.limit.grade(kinder) != one.grade:
+    if one.limit.grade(favourable) != one.grade:
         return True
     if one.quantity != "bracket_life" or one.worst_possible_grade == "pass":
         return False
     slope = fatigue_strength_by_zone(of.bracket)[cast("FatigueZone", one.part.kind)].curve.slope
-    return kinder > MIN_CONTACT_TO_COMPUTED_STRESS_RATIO**-slope * one.value
+    return favourable > MIN_CONTACT_TO_COMPUTED_STRESS_RATIO**-slope * one.value
 
 
 class _Value(NamedTuple):
     """Where something is worst, how much it is there, SI, and between what by its error.
 
-    `kinder` is how much it is with the flange held the kinder way, where contact would say which.
+    `favourable` is how much it is with the flange held the more favourable way, where contact would
+    say which.
     `stop_margin` is negative where the loads are at least those that it is of.
     """
 
@@ -258,7 +260,7 @@ class _Value(NamedTuple):
     value: float
     point: OperatingPoint | None = None
     within: tuple[float, float] | None = None
-    kinder: float = np.nan
+    favourable: float = np.nan
     stop_margin: float = np.inf
 
 
@@ -304,7 +306,7 @@ def _values(of: BracketResult, variant: ShapeAssessment, quantity: str) -> Itera
                     variant.features[worst].part,
                     endured.at_spots([worst]).hours_to_failure * hour,
                     within=None if np.isnan(low) else (low, high),
-                    kinder=endured.at_spots(mine).favourable_hours * hour if either else np.nan,
+                    favourable=endured.at_spots(mine).favourable_hours * hour if either else np.nan,
                     stop_margin=endured.stop_margin,
                 )
     if quantity == "bracket_slip_utilisation":
@@ -338,7 +340,7 @@ def _by_zone(variant: ShapeAssessment) -> list[tuple[FatigueZone, list[int]]]:
 def _fatigue(variant: ShapeAssessment, *, either: bool) -> Iterator[_Value]:
     """Yield for each zone the case, and the feature, that comes nearest its fatigue limit.
 
-    With the flange held in `either` of two ways, what the kinder makes of it too.
+    With the flange held in `either` of two ways, what the more favourable makes of it too.
     """
     lasting = [o for o in variant.case_results if not np.isnan(o.utilisation).all()]
     for _, mine in _by_zone(variant):
@@ -350,10 +352,12 @@ def _fatigue(variant: ShapeAssessment, *, either: bool) -> Iterator[_Value]:
         # Where the error may lie that way, another feature may use more, or another case.
         ends = np.nan_to_num([o.utilisation_bounds[mine] for o in lasting], posinf=np.inf)
         low, high = ends.max(axis=(0, 1)).tolist()
-        kinder = max(float(np.nan_to_num(o.favourable_utilisation[mine]).max()) for o in lasting)
+        favourable = max(
+            float(np.nan_to_num(o.favourable_utilisation[mine]).max()) for o in lasting
+        )
         yield _Value(
             worst.case.when, part, used, worst.case.operating_point, within=(low, high),
-            kinder=kinder if either else np.nan,
+            favourable=favourable if either else np.nan,
             stop_margin=min(o.case.stop_margin for o in lasting),
         )  # fmt: skip
 

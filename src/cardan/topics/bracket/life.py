@@ -204,7 +204,7 @@ class DamageResult:
         Damage at each hot spot where stress is lower and higher than computed, by its error; nan
         where it was not estimated.
     favourable_lower_bound : (k,)
-        The same where it is lower and the flange is held the kinder way.
+        The same where it is lower and the flange is held the more favourable way.
     favourable_damage : (k,)
         The same with the computed stress, the flange held the favourable way; in contact as
         computed.
@@ -224,7 +224,7 @@ class DamageResult:
     def at_spots(self, places: ArrayLike) -> "DamageResult":
         """Return the same of some of its hot spots (places,), in their order."""
         picked = np.asarray(places)
-        span, eased, kinder = (
+        span, eased, favourable = (
             None if v is None else v[picked]
             for v in (self.damage_bounds, self.favourable_lower_bound, self.favourable_damage)
         )
@@ -233,7 +233,7 @@ class DamageResult:
             hot_spot_damage=self.hot_spot_damage[picked],
             damage_bounds=span,
             favourable_lower_bound=eased,
-            favourable_damage=kinder,
+            favourable_damage=favourable,
         )
 
     @property
@@ -260,8 +260,8 @@ class DamageResult:
     def hours_bounds(self) -> tuple[float, float]:
         """Least and most hours to failure, each stress off by its error; nan where not known.
 
-        At most with the flange held the kinder way. What fails first may be another spot than the
-        one that fares worst.
+        At most with the flange held the more favourable way. What fails first may be another spot
+        than the one that fares worst.
         """
         if self.damage_bounds is None:
             return math.nan, math.nan
@@ -274,7 +274,7 @@ class DamageResult:
 
     @property
     def favourable_hours(self) -> float:
-        """Hours to failure with the flange held the kinder way; nan where not known."""
+        """Hours to failure with the flange held the more favourable way; nan where not known."""
         return math.nan if self.favourable_damage is None else self._hours(self.favourable_damage)
 
     @property

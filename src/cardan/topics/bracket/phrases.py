@@ -173,9 +173,9 @@ def finite_element_solution_remarks(
 def life_bounds_note(say: Translator) -> str:
     """Return by what a life lies between the hours in brackets, and by what it may not."""
     return say(
-        "Hours in brackets: by the error of stresses, by the flange held the kinder way, and by "
-        "what gauges read wrong where forces are read from them. Curve, rubber and other loads are "
-        "taken to be right."
+        "Hours in brackets: by the error of stresses, by the flange held the more favourable "
+        "way, and by what gauges read wrong where forces are read from them. Curve, rubber and "
+        "other loads are taken to be right."
     )
 
 

@@ -14,6 +14,7 @@ from cardan.render.phrases import (
     adjustable_parameter_phrase,
     adjustment_phrase,
     check_sentence,
+    grade_text,
     grouped_unevaluated_lines,
     verdict_text,
     worst_check_per_limit,
@@ -47,7 +48,7 @@ def remaining_problem_sentences(
 
     def told(c: Check) -> dict[str, str]:
         check = f"{c.line}: {check_sentence(c, say)}" if several else check_sentence(c, say)
-        return {"grade": grade(c.grade, say(c.grade)), "check": check}
+        return {"grade": grade(c.grade, grade_text(c.grade, say)), "check": check}
 
     return [
         *(say("but then {grade}: {check}", **told(c)) for c in worst_check_per_limit(new)[:3]),
@@ -217,4 +218,4 @@ def worst_side_effect(e: AdjustmentEffect, say: Translator) -> str:
         if c.line == e.adjustable.line
         else f"{c.line}: {check_sentence(c, say)}"
     )
-    return say("but then {grade}: {check}", grade=say(c.grade), check=told)
+    return say("but then {grade}: {check}", grade=grade_text(c.grade, say), check=told)

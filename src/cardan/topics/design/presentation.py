@@ -81,7 +81,7 @@ def adjustment_effect_lines(
     if not of:
         return
     yield ""
-    yield bold(say("What would help (each alone; `cardan fix` looks for the best together)"))
+    yield bold(say("Single corrections (`cardan fix` looks for the best combination)"))
     yield from _failed_check_lines(of, sizes, say, several=several)
 
 

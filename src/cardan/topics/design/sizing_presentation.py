@@ -12,6 +12,7 @@ from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.json_contract import check_json, to_json_types, unevaluated_json
 from cardan.render.phrases import (
     check_sentence,
+    grade_text,
     grouped_unevaluated_lines,
     limit_sense_symbol,
     source_digitisation_phrase,
@@ -107,7 +108,9 @@ def _further_shaft_table(of: SizingResult, say: Translator) -> Iterator[str]:
             was, unit = today.get(key), QUANTITIES[now.quantity].unit_symbol
             factor, limit = QUANTITIES[now.quantity].si_factor, now.limit
             before, after = (
-                "-" if c is None else f"{say.number(c.value / factor, 3)} {say(c.grade)}"
+                "-"
+                if c is None
+                else f"{say.number(c.value / factor, 3)} {grade_text(c.grade, say)}"
                 for c in (was, now)
             )
             both = [b for b in (limit.normal, limit.maximum) if b is not None] or [now.bound]
@@ -142,7 +145,7 @@ def check_change_sentence(was: Check, now: Check, say: Translator) -> str:
     """Return a check as it was and as it is with an offer in place."""
     value = say.number(now.value / QUANTITIES[now.quantity].si_factor)
     return say("{check}; then {value}, {grade}", check=check_sentence(was, say), value=value,
-               grade=say(now.grade))  # fmt: skip
+               grade=grade_text(now.grade, say))  # fmt: skip
 
 
 def next_size_advice(of: Remedy, say: Translator) -> str:

@@ -105,7 +105,8 @@ INTERVAL_PHRASES = {
         "order 6 is locked too, as of rattling contact: they may have done more"
     ),
     DOUBT_ENGINE_ORDER_OVERLAP.code: (
-        "an engine order runs with order 2: phase and torque are the same, either did it"
+        "an engine order coincides with order 2, and phase and torque do not separate them: the "
+        "interval counts what may be the engine's"
     ),
     DOUBT_NO_ENGINE_SPEED.code: (
         "no engine speed and no engine orders are given: an engine of four cylinders in "
@@ -188,7 +189,7 @@ CAUSE_PHRASES = {
     ),
     DOUBT_OF_NAMED_GAUGE.code: "{gauge}: {doubt}",
     DOUBT_ENGINE_SPEED_NOT_GIVEN.code: (
-        "no engine speed was given: an order of its that runs with order 2 would not show"
+        "no engine speed was given: an engine order that coincides with order 2 would not show"
     ),
     DOUBT_ENGINE_AT_SHAFT_SPEED.code: (
         "the engine turns with the shaft for {share} of the time: one whose order 2 is "

@@ -1,6 +1,7 @@
 """What a recording or a campaign did, as the JSON contract has it."""
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,8 @@ from cardan.approval.study import StudyResult
 from cardan.core.arrays import FloatArray
 from cardan.core.units import MPa, hour
 from cardan.core.version import __version__
+from cardan.physics.fatigue import mean_stress
+from cardan.physics.fatigue.rainflow import ResidueRule, discarded, half_cycles, repeating
 from cardan.physics.signals.assessment import GaugeAssessment
 from cardan.physics.signals.attribution_result import VALIDATED_ERROR_RATES, JointAttribution
 from cardan.physics.signals.conditioning import ChannelReport
@@ -40,6 +43,23 @@ from cardan.topics.recording.recording_assessment import (
     AlternativeBusErrorInterpretation,
     RecordingAssessment,
 )
+
+RESIDUE_RULE_CODES: dict[ResidueRule, str] = {
+    half_cycles: "half_cycles",
+    repeating: "repeating",
+    discarded: "discarded",
+}
+"""Values of `rules.residue`, by how open cycles are counted."""
+
+MEAN_STRESS_CODES: dict[Callable[..., FloatArray], str] = {
+    mean_stress.uncorrected: "uncorrected",
+    mean_stress.goodman: "goodman",
+    mean_stress.gerber: "gerber",
+    mean_stress.walker: "walker",
+    mean_stress.swt: "swt",
+    mean_stress.fkm: "fkm",
+}
+"""Values of `rules.mean_stress`, by how the mean stress of a cycle is counted."""
 
 
 def _number(value: float) -> float | None:
@@ -399,8 +419,8 @@ def recording_json(of: RecordingAssessment) -> dict[str, Any]:
         "distance_km": _number(driven / 1e3) if lives else None,
         "notes": list(recording.notes),
         "rules": {
-            "residue": plan.residue_rule.__name__,
-            "mean_stress": getattr(plan.correction, "func", plan.correction).__name__,
+            "residue": RESIDUE_RULE_CODES[plan.residue_rule],
+            "mean_stress": MEAN_STRESS_CODES[getattr(plan.correction, "func", plan.correction)],
             "allowed_damage": plan.allowed,
             "shares": "Shapley",
             "masked": [_ruled(r, recording.start_time) for r in plan.fault_rules if r.mask],

@@ -6,10 +6,12 @@ import numpy as np
 
 from cardan.application.duty_collective import DutyCollective, duty_collective
 from cardan.core.errors import DesignError
+from cardan.core.message import translatable_message
 from cardan.physics.signals.channel_units import RADIANS_PER_TURN, TORQUE_UNITS
 from cardan.physics.signals.recording import Recording
 from cardan.physics.signals.shaft_angle import torque_error_runs
 from cardan.readers.dispatch import open_recording
+from cardan.schema.yaml_tree import to_one_line
 from cardan.topics.recording.channel_reading import sampled_channel, split_unit, unit_factor
 from cardan.topics.recording.channel_roles import ChannelRole, guess_channel_role, names_propshaft
 from cardan.topics.recording.shaft_signals import speed_samples
@@ -67,12 +69,16 @@ def read_measured_duty(
         )
         raise DesignError(msg)
     of_shaft = turns[known] * RADIANS_PER_TURN
-    origin = f"measured: {path.name}, channels {channel} and {split_unit(speed)[0]}"
+    origin = translatable_message(
+        "measured: {file}, channels {channels}",
+        file=to_one_line(path.name),
+        channels=tuple(map(to_one_line, (channel, split_unit(speed)[0]))),
+    )
     return duty_collective(
         np.full(of_shaft.size, 1 / rate),
         factor * moments[known] * np.where(of_shaft < 0, -1.0, 1.0),
         np.abs(of_shaft),
-        origin="".join(c if c.isprintable() else " " for c in origin)[:160],
+        origin=origin,
     )
 
 

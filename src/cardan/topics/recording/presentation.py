@@ -469,12 +469,12 @@ def joint_verdict_sentence(
     )
     own = (
         say(
-            "the joints' orders answer for {share} of the damage; without them it would live as "
+            "the joints' orders account for {share} of the damage; without them it would live as "
             "long.", share=share,
         )
         if times == "1"
         else say(
-            "the joints' orders answer for {share} of the damage; without them it would live "
+            "the joints' orders account for {share} of the damage; without them it would live "
             "{longer} times as long.", share=share, longer=times,
         )
     )  # fmt: skip

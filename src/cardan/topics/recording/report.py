@@ -19,6 +19,7 @@ from cardan.render.blocks import (
 )
 from cardan.render.i18n import Translator
 from cardan.render.phrases import (
+    grade_text,
     grouped_unevaluated_lines,
     limit_sense_symbol,
     source_date_and_version_facts,
@@ -151,6 +152,6 @@ def _judgement(c: Check, say: Translator) -> tuple[str, ...]:
     """Return a check on a gauge as a row."""
     q, (value, bound) = declared_quantity(c.quantity), value_and_bound(c, say)
     return (
-        say(c.grade), say.name(q.key), say.join(say.part(c.part), say.occasion(c.when)),
+        grade_text(c.grade, say), say.name(q.key), say.join(say.part(c.part), say.occasion(c.when)),
         value, f"{limit_sense_symbol(c, say)} {bound}", q.unit_symbol, say.margin_percent(c.margin),
     )  # fmt: skip

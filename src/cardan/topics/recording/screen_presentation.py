@@ -21,14 +21,13 @@ from cardan.render.check_texts import limit_text, uncapitalised, unit_text, valu
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import grouped_unevaluated_lines, verdict_word
 from cardan.render.screen_layout import (
-    GRADE_MARKS,
     capped_item_lines,
     capped_list_lines,
     more_text,
     share_text,
     title_and_verdict_lines,
 )
-from cardan.render.terminal import bold
+from cardan.render.terminal import GRADE_MARKS, bold
 from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, table_lines
 from cardan.topics.recording import alternative_life_presentation as otherwise
 from cardan.topics.recording import presentation as report

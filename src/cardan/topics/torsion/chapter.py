@@ -12,6 +12,7 @@ from cardan.render.check_screen import worst_check_of_each_part
 from cardan.render.i18n import Translator
 from cardan.render.phrases import (
     check_counts_text,
+    grade_text,
     limit_sense_symbol,
     value_and_bound,
     verdict_word,
@@ -101,7 +102,7 @@ def _row(c: Check, say: Translator) -> tuple[str, ...]:
     where = say.join(say.part(c.part), say.occasion(c.when))
     value, bound = value_and_bound(c, say)
     return (
-        say(c.grade),
+        grade_text(c.grade, say),
         say.name(q.key),
         where,
         value,

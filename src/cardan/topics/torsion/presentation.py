@@ -13,12 +13,20 @@ from cardan.checks.quantities.declaration import UNIT_SYMBOLS
 from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.arrays import FloatArray
 from cardan.core.labels import EvaluationCondition, Part
+from cardan.core.provenance import provenance_text
 from cardan.core.units import UNITS, rpm
 from cardan.core.verdict import CHECK_GRADES, Check
 from cardan.render.check_texts import lower_bound_explanation
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import value_and_bound
-from cardan.render.terminal import BOLD_CODE, RESET_CODE, VERDICT_COLOUR_CODES, summary_lines
+from cardan.render.terminal import (
+    BOLD_CODE,
+    GRADE_MARKS,
+    RESET_CODE,
+    VERDICT_COLOUR_CODES,
+    grade_mark_lines,
+    summary_lines,
+)
 from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, table_lines
 from cardan.topics.torsion.powertrain_model import DegreeOfFreedom
 from cardan.topics.torsion.study import DEFAULT_RUBBER_LOSS_FACTOR
@@ -51,6 +59,7 @@ def text_lines(
     head = "", *map(say, ("quantity", "part", "where it is worst", "value", "limit"))
     shown = [_row(c, say) for c in rows]
     yield from table_lines(head, shown, width)
+    yield from grade_mark_lines(rows, say, width)
     yield from fold_lines(lower_bound_explanation((row[4] for row in shown), say), width)
     for caption, head, lines, _ in result_tables(found, say):
         yield ""
@@ -63,7 +72,7 @@ def _row(c: Check, say: Translator) -> tuple[str, ...]:
     q, (value, bound) = QUANTITIES[c.quantity], value_and_bound(c, say)
     sense = say("outside") if c.limit.band else c.limit.sense
     return (
-        f"{VERDICT_COLOUR_CODES[c.grade]}{say(c.grade)}{RESET_CODE}",
+        f"{VERDICT_COLOUR_CODES[c.grade]}{GRADE_MARKS[c.grade]}{RESET_CODE}",
         say.name(c.quantity),
         say.part(c.part),
         say.occasion(c.when),
@@ -235,7 +244,7 @@ def _assumed(of: VibrationResult, say: Translator) -> TableContent:
                 f"{say.number(a.typical.value / unit)} {name}".strip(),
                 f"{say.number(a.typical.low / unit)}-{say.number(a.typical.high / unit)}",
                 _moved(moved.get(a.quantity), of, say),
-                say.source(a.typical.how_read),
+                say.source(provenance_text(a.typical.how_read)),
             )
         )
     head = (say("value"), say("assumed"), say("range"), say("modes that move by 2 % or more"),

@@ -70,7 +70,7 @@ def duration_text(seconds: float, say: Translator = ENGLISH) -> str:
 
 def summary_line(of: VariantStudyResult, say: Translator = ENGLISH) -> str:
     """Return what the variants came to in a line."""
-    said = [f"{percent_text(s, say)} {say(v)}" for v, s in of.shares.items() if s]
+    said = [f"{percent_text(s, say)} {say(VERDICT_TEXTS[v])}" for v, s in of.shares.items() if s]
     return say(
         "{title}: {count} variants, {verdicts}",
         title=of.installed.application.title,

@@ -8,7 +8,6 @@ from cardan.core.verdict import Verdict
 from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.phrases import VERDICT_TEXTS, unevaluated_limit_lines
 from cardan.render.screen_layout import (
-    GRADE_MARKS,
     capped_item_lines,
     capped_list_lines,
     more_text,
@@ -16,7 +15,7 @@ from cardan.render.screen_layout import (
     share_text,
     title_and_verdict_lines,
 )
-from cardan.render.terminal import bold
+from cardan.render.terminal import GRADE_MARKS, bold
 from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, table_lines
 from cardan.topics.variants.presentation import (
     bound_mark,

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from cardan.core.verdict import CheckGrade
+from cardan.render.i18n import ENGLISH, Translator
 from cardan.render.json_contract import to_json_types
 from cardan.render.terminal import bold, coloured_by_grade
 from cardan.render.text_layout import DEFAULT_WIDTH_COLUMNS, fold_lines, text_with_right_column
@@ -10,34 +12,38 @@ from cardan.topics.verification.published_cases import BenchmarkCase
 
 BENCHMARK_CASE_KIND_TITLES = {
     "published": "Published where a reader can look",
-    "untraced": "Printed somewhere that nobody found again",
-    "derived": "Computed by other means, printed nowhere",
+    "untraced": "Printed in a book that is not traced",
+    "derived": "Computed by other means, not printed",
 }
 """Heads of `cardan verify`."""
 
 
 def software_benchmark_case_lines(
-    cases: "Iterable[BenchmarkCase]", *, width: int = DEFAULT_WIDTH_COLUMNS
+    cases: "Iterable[BenchmarkCase]",
+    say: Translator = ENGLISH,
+    *,
+    width: int = DEFAULT_WIDTH_COLUMNS,
 ) -> Iterator[str]:
     """Yield published cases with what was expected and what this machine computes."""
-    room = width - 6 - 13 - 13 - 11
-    yield f"{'':6}{'case':<{room}}{'published':>13}{'computed':>13}{'difference':>11}"
+    words = {agrees: say(word) for agrees, word in ((True, "ok"), (False, "WRONG"))}
+    mark = 1 + max(5, *map(len, words.values()))
+    room = width - mark - 13 - 13 - 11
+    heads = f"{say('published'):>13}{say('computed'):>13}{say('difference'):>11}"
+    yield f"{'':{mark}}{say('case'):<{room}}{heads}"
     kind = ""
     for c in cases:
         if c.kind != kind:
             kind = c.kind
             yield ""
-            yield bold(BENCHMARK_CASE_KIND_TITLES[kind])
-        word = (
-            coloured_by_grade("pass", "ok    ")
-            if c.is_within_tolerance
-            else coloured_by_grade("fail", "WRONG ")
-        )
+            yield bold(say(BENCHMARK_CASE_KIND_TITLES[kind]))
+        grade: CheckGrade = "pass" if c.is_within_tolerance else "fail"
+        word = coloured_by_grade(grade, f"{words[c.is_within_tolerance]:<{mark}}")
         numbers = f"{c.expected:>13.6g}{c.computed:>13.6g}{c.relative_difference:>+11.2%}"
-        first, *others = text_with_right_column(c.title, numbers, room)
+        title, numbers = say.translate_message(c.title), say.localise_numbers(numbers)
+        first, *others = text_with_right_column(title, numbers, room)
         yield f"{word}{first}"
-        yield from (f"{'':6}{line}" for line in others)
-        yield from fold_lines([f"{'':6}{'':2}{c.source}"], width)
+        yield from (f"{'':{mark}}{line}" for line in others)
+        yield from fold_lines([f"{'':{mark}}{'':2}{say.source(str(c.source))}"], width)
 
 
 def software_benchmark_cases_json(of: tuple[BenchmarkCase, ...]) -> list[dict[str, Any]]:
@@ -45,7 +51,7 @@ def software_benchmark_cases_json(of: tuple[BenchmarkCase, ...]) -> list[dict[st
     return to_json_types(
         [
             {
-                "case": c.title,
+                "case": str(c.title),
                 "kind": c.kind,
                 "source": str(c.source),
                 "published": c.expected,

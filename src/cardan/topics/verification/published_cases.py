@@ -13,6 +13,7 @@ import numpy as np
 
 from cardan.application.typical_values import typical_value
 from cardan.core.arrays import FloatArray
+from cardan.core.message import TranslatableMessage, translatable_message
 from cardan.core.provenance import (
     ASTM_E1049,
     ELBE_CATALOGUE,
@@ -98,7 +99,7 @@ class BenchmarkCase:
     `tolerance` is the largest difference that rounding in print explains.
     """
 
-    title: str
+    title: TranslatableMessage
     source: Source
     expected: float
     computed: float
@@ -146,11 +147,19 @@ _APART: dict[Source, CaseKind] = {
 
 
 def _case(
-    title: str, source: Source, expected: float, computed: object, within: float
+    title: str,
+    source: Source,
+    expected: float,
+    computed: object,
+    within: float,
+    **values: object,
 ) -> BenchmarkCase:
-    """Return a case of a number that may come as an array without axes."""
+    """Return a case of a number that may come as an array without axes.
+
+    `values` are those that the title names.
+    """
     return BenchmarkCase(
-        title=title,
+        title=translatable_message(title, **values),
         source=source,
         expected=expected,
         computed=float(np.asarray(computed)),
@@ -177,8 +186,8 @@ def _one_joint() -> Iterator[BenchmarkCase]:
         5e-3,
     )
     for angle, percent in ((10, 3.062), (15, 6.935)):
-        yield _case(f"Irregularity of a joint at {angle} deg, %", SOURCE_MECHANICS_COURSES, percent,
-                    100 * joint.irregularity(angle * deg), 5e-4)  # fmt: skip
+        yield _case("Irregularity of a joint at {angle} deg, %", SOURCE_MECHANICS_COURSES, percent,
+                    100 * joint.irregularity(angle * deg), 5e-4, angle=angle)  # fmt: skip
     yield _case("Joint angle of 12.5 % irregularity, deg", SOURCE_MECHANICS_COURSES, 20.04,
                 joint.angle_for_irregularity(0.125) / deg, 5e-3)  # fmt: skip
     at = joint.speed_ratio(np.pi / 2, beta=30 * deg, pin=joint.PIN_NORMAL_TO_PLANE)
@@ -199,34 +208,36 @@ def _chains() -> Iterator[BenchmarkCase]:
     places = equivalent.joint_plane_angle(side, top) / deg
     for k, (angle, place) in enumerate(((2.7819, 283.94), (1.2567, 275.94), (2.5773, 108.08))):
         yield _case(
-            f"True angle of joint {k + 1}, deg",
+            "True angle of joint {number}, deg",
             SOUZA_2014_BRACKET_FAILURE.with_place("table 3"),
             angle,
             angles[k],
             5e-5,
+            number=k + 1,
         )
         yield _case(
-            f"Position of joint {k + 1}, deg",
+            "Position of joint {number}, deg",
             SOUZA_2014_BRACKET_FAILURE.with_place("table 3"),
             place,
             places[k],
             6e-3,
+            number=k + 1,
         )
     yield _case("Compound angle of 2.15 and 2.50 deg, deg", SPICER_J3311.with_place("fig. 6"), 3.3,
                 equivalent.true_angle_by_pythagoras(2.5 * deg, 2.15 * deg) / deg, 0.05)  # fmt: skip
     exact = {(0, 0): 3.5864, (90, 0): 1.7392, (0, 90): 0.7912, (90, 90): 3.9782}
     layout = layout_from_joint_angles(side=side, top=top, lengths=[1.0, 1.0])
     for phases, angle in exact.items():
-        names = ", ".join("crossed" if p else "aligned" for p in phases)
         found = equivalent.excitation_of_rotating_chain(
             rotate_chain(layout.directions, phases=np.array(phases) * deg), speed=1.0
         )
         yield _case(
-            f"Equivalent angle of the chain, {names}, deg",
+            "Equivalent angle of the chain, {phases}, deg",
             SOURCE_MULTIBODY_SIMULATION,
             angle,
             found.torsional.angle / deg,
             5e-5,
+            phases=tuple("90° out of phase" if p else "in phase" for p in phases),
         )
     yield _case("Equivalent angle of U = 0.0027, deg", ELBE_CATALOGUE, 2.98,
                 joint.angle_for_irregularity(0.0027) / deg, 5e-3)  # fmt: skip
@@ -238,35 +249,38 @@ def _chains() -> Iterator[BenchmarkCase]:
         for n, angle in table.items():
             # Printed in steps of 10 minutes of arc.
             found = equivalent.angle_for_acceleration(1000.0, speed=n * rpm) / deg
-            yield _case(f"Largest joint angle at {n} rpm, deg", source, angle / 60, found, 5 / 60)
+            yield _case("Largest joint angle at {speed} rpm, deg", source, angle / 60, found,
+                        5 / 60, speed=n)  # fmt: skip
     yield from _calibration()
     yield from _workshop()
 
 
 def _calibration() -> Iterator[BenchmarkCase]:
-    """Yield the check of a driveshaft shop's program: four joints, the first shaft crossed."""
+    """Yield the check of a driveshaft shop's program: four joints, the first shaft out of phase."""
     found = equivalent.spicer_sine_squared_excitation(
         np.array([5.0, 4.0, 3.0, 2.0]) * deg, np.zeros(4),
         phases=np.array([90.0, 0.0, 0.0]) * deg, speed=2500 * rpm,
     )  # fmt: skip
     for name, of, angle, rate in (
         ("Drive inertia", found.drive, 9.90, 2026),
-        ("Coast inertia", found.coast, 3.16, 209),
+        ("Overrun inertia", found.coast, 3.16, 209),
         ("Torsional", found.torsional, 6.00, 749),
     ):
         yield _case(
-            f"{name}, joints of 5, 4, 3, 2 deg, deg",
+            "{excitation}, joints of 5, 4, 3, 2 deg, deg",
             SOURCE_PSS_CALCULATIONS,
             angle,
             of.angle / deg,
             5e-3,
+            excitation=name,
         )
         yield _case(
-            f"{name}, the same at 2500 rpm, rad/s2",
+            "{excitation}, the same at 2500 rpm, rad/s2",
             SOURCE_PSS_CALCULATIONS,
             rate,
             of.acceleration,
             0.5,
+            excitation=name,
         )
 
 
@@ -280,7 +294,8 @@ def _workshop() -> Iterator[BenchmarkCase]:
         layout = layout_from_slopes(side=side, top=np.zeros(3), lengths=[1.0])
         angles = joint_angles(layout.directions) / deg * 60
         for number, angle, found in zip((2, 3), printed, angles, strict=True):
-            yield _case(f"Angle of joint {number} from slopes, minutes", source, angle, found, 0.5)
+            yield _case("Angle of joint {number} from slopes, minutes", source, angle, found, 0.5,
+                        number=number)  # fmt: skip
 
 
 def _demands() -> Iterator[BenchmarkCase]:
@@ -310,11 +325,12 @@ def _demands() -> Iterator[BenchmarkCase]:
     )
     for volume, inertia, within in ((6.871, 3.56517, 5e-6), (12.73, 5.1471, 5e-5)):
         yield _case(
-            f"Engine of {volume:g} l with flywheel and clutch, kg m2",
+            "Engine of {volume} l with flywheel and clutch, kg m2",
             SOURCE_VECTO_ENGINES,
             inertia,
             base + litre * volume,
             within,
+            volume=f"{volume:g}",
         )
 
 
@@ -331,14 +347,15 @@ def _forces() -> Iterator[BenchmarkCase]:
         "small angle": (small_angle_bearing_forces(layout, line, torque=1000.0), 5.124, 20.049),
     }
     for name, (cycle, static, dynamic) in cases.items():
-        yield _case(f"Centre bearing, static force, {name}, N", SOURCE_MULTIBODY_SIMULATION, static,
-                    np.linalg.norm(cycle.static), 5e-4)  # fmt: skip
+        yield _case("Centre bearing, static force, {method}, N", SOURCE_MULTIBODY_SIMULATION,
+                    static, np.linalg.norm(cycle.static), 5e-4, method=name)  # fmt: skip
         yield _case(
-            f"Centre bearing, twice a turn, {name}, N",
+            "Centre bearing, twice a turn, {method}, N",
             SOURCE_MULTIBODY_SIMULATION,
             dynamic,
             cycle.dynamic[0],
             5e-4,
+            method=name,
         )
 
 
@@ -402,11 +419,12 @@ def _strengths() -> Iterator[BenchmarkCase]:
     counted = rainflow([-2, 1, -3, 5, -1, 3, -4, 4, -2])
     for size, cycles in {3: 0.5, 4: 1.5, 6: 0.5, 8: 1.0, 9: 0.5}.items():
         yield _case(
-            f"Rainflow cycles of range {size}",
+            "Rainflow cycles of range {range}",
             ASTM_E1049.with_place("5.4.4, figure 6"),
             cycles,
             counted.count[counted.range == size].sum(),
             0.0,
+            range=size,
         )
     yield _case(
         "Surface factor, machined, 400 MPa",
@@ -428,19 +446,21 @@ def _strengths() -> Iterator[BenchmarkCase]:
     for survive, factor in {90: 0.897, 95: 0.868, 99: 0.814, 99.9: 0.753, 99.99: 0.702}.items():
         # ka = 1 - 0.08 z, and the table's own z has three digits.
         yield _case(
-            f"Reliability factor, {survive:g} %",
+            "Reliability factor, {share} %",
             SOURCE_SHIGLEY.with_place("table 6-5"),
             factor,
             strength.reliability_factor(1 - survive / 100),
             6e-4,
+            share=f"{survive:g}",
         )
     for ultimate, limit in {400: 200, 1200: 600, 1750: 700}.items():
         yield _case(
-            f"Endurance limit of {ultimate} MPa steel, MPa",
+            "Endurance limit of {ultimate} MPa steel, MPa",
             SOURCE_SHIGLEY.with_place("equation 6-8"),
             limit,
             strength.endurance_limit(ultimate * MPa) / MPa,
             0.5,
+            ultimate=ultimate,
         )
 
 
@@ -454,11 +474,12 @@ def _composites() -> Iterator[BenchmarkCase]:
         ("Qxy", 2.897, Q[0, 1], 5e-4), ("Qss", 7.17, Q[2, 2], 5e-3),
     ):  # fmt: skip
         yield _case(
-            f"T300/5208, {name}, GPa",
+            "T300/5208, {stiffness}, GPa",
             SOURCE_TSAI_HAHN.with_place("table 1.8"),
             expected,
             found,
             within,
+            stiffness=name,
         )
     for name, expected, found in (
         ("Q11", 56.66, R[0, 0]), ("Q12", 42.32, R[0, 1]), ("Q66", 46.59, R[2, 2]),
@@ -466,11 +487,12 @@ def _composites() -> Iterator[BenchmarkCase]:
     ):  # fmt: skip
         # The table turns rounded stiffnesses: 0.03 %.
         yield _case(
-            f"T300/5208 at 45 deg, {name}, GPa",
+            "T300/5208 at 45 deg, {stiffness}, GPa",
             SOURCE_TSAI_HAHN.with_place("table 3.6"),
             expected,
             found,
             3e-4 * expected,
+            stiffness=name,
         )
     wall = composite.equivalent_steel_wall_thickness(
         5000.0, outer_radius=30 * mm, yield_strength=750 * MPa, at="middle"
@@ -503,5 +525,5 @@ def _stability() -> Iterator[BenchmarkCase]:
 
     found = find_zeros(excess, between=(-1, 4.2))
     for name, value in (("a0", -0.455139), ("a1", 1.859108), ("b1", -0.110249), ("b2", 3.917025)):
-        yield _case(f"Mathieu's {name}(1)", SOURCE_NIST_DLMF, value,
-                    found[np.abs(found - value).argmin()], 5e-7)  # fmt: skip
+        yield _case("Mathieu's {edge}(1)", SOURCE_NIST_DLMF, value,
+                    found[np.abs(found - value).argmin()], 5e-7, edge=name)  # fmt: skip
