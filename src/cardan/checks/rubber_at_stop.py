@@ -24,11 +24,13 @@ from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.rubber_stop_response import (
     StoppedLine,
     StoppedMotion,
+    StopReceptance,
     all_motions,
     at_places,
     components,
     forces_at_stop,
-    stop_receptance,
+    receptance_alone,
+    tied_receptance,
 )
 from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.operating_points import (
@@ -546,16 +548,26 @@ class _Grid:
         """Return cases of the sweeps with their stops and a ratio (C', B) each."""
         return StoppedLine(
             free=self.travel(of, thrust),
-            receptance=stop_receptance(
-                self.on.select_states(of.tolist()),
-                self.coupling[:, of],
-                speed=self.speed[:, of],
-                torque=self.torque[:, of],
-                compression=self.compression[thrust, :, of].T,
-            ),
+            receptance=self.receptance(of, thrust),
             stiffness=self.stiffness[of],
             stop=np.broadcast_to(stop, (len(of), self.stiffness.shape[-2])),
             ratio=ratios,
+        )
+
+    def receptance(self, of: IntArray, thrust: IntArray) -> StopReceptance:
+        """Return what a stop's forces move in cases of the sweeps."""
+        each, own = np.unique(np.stack([of, thrust]), axis=1, return_inverse=True)
+        return StopReceptance(
+            tied=tied_receptance(
+                self.on.select_states(each[0].tolist()),
+                self.coupling[:, each[0]],
+                speed=self.speed[:, each[0]],
+                torque=self.torque[:, each[0]],
+                compression=self.compression[each[1], :, each[0]].T,
+            ),
+            alone=receptance_alone(self.on, speed=self.speed, torque=self.torque),
+            tied_of=own.reshape(-1),
+            alone_of=of,
         )
 
     def sizes(
