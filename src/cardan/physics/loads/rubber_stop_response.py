@@ -55,6 +55,8 @@ _LARGEST_JUMP = 0.3
 _MOST_STEPS = 8000
 _RESIDUAL_SHARE = 1e-4
 """Of the travel to the stop, below which Newton's method ends."""
+_BLOCK_MOTIONS = 128
+"""Evaluated at once: more of them leave the cache."""
 _LEAST_TRAVEL_M = 1e-300
 """Which has a direction."""
 
@@ -159,6 +161,10 @@ class StoppedMotion:
 
     place: FloatArray
     travel: FloatArray
+
+    def select_cases(self, which: IntArray) -> "StoppedMotion":
+        """Return those of some of the cases."""
+        return StoppedMotion(place=self.place[:, which], travel=self.travel[:, which])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -305,19 +311,16 @@ def _loss(on: MountedLine, speed: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ForcesAtStop:
-    """Forces on bearings whose rubber meets its stop, (..., B) N.
+    """Forces on bearings whose rubber meets its stop, (P, B) N.
 
     Attributes
     ----------
     static, dynamic
         Size of the mean; largest size of the rest round the half turn.
-    travel : (..., B) m
-        Largest way across the shaft.
     """
 
     static: FloatArray
     dynamic: FloatArray
-    travel: FloatArray
 
 
 def forces_at_stop(
@@ -330,43 +333,61 @@ def forces_at_stop(
     stop: FloatArray,
     ratio: FloatArray,
 ) -> ForcesAtStop:
-    """Return what bearings carry in a motion with stops: of a stop its elastic force.
+    """Return what bearings carry in P motions with stops: of a stop its elastic force.
 
     What it loses is in the motion. A damper's force jumps where a stop is met, rubber's does not.
 
     Parameters
     ----------
-    travel, free : (..., M, 2 B) m
+    travel, free : (P, M, 2 B) m
         With stops, and on linear rubber.
-    linear : (..., M, 3 B) N
+    linear : (P, M, 3 B) N
         Force on linear rubber, across the shaft, then along it, bearing by bearing.
-    stiffness, loss, stop, ratio : (..., B, 2) N/m, (..., B) signed as the speed, (..., B) m, 1
+    stiffness, loss, stop, ratio : (P, B, 2) N/m, (P, B) signed as the speed, (P, B) m, 1
     """
-    size = travel.shape[-1]
-    lead, bearings = travel.shape[:-2], size // 2
-    more = stiffness.reshape(*stiffness.shape[:-2], 1, size) * (travel - free)
+    count, _, size = travel.shape
+    more = stiffness.reshape(count, 1, size) * (travel - free)
     eta = np.repeat(loss, 2, axis=-1)
     for at, _ in _PLACES_OF_ORDERS:
-        real, imaginary = more[..., at, :].copy(), more[..., at + 1, :].copy()
-        more[..., at, :] = real - eta * imaginary
-        more[..., at + 1, :] = imaginary + eta * real
-    rubber = np.broadcast_to(linear, (*lead, *linear.shape[-2:]))
-    rubber = rubber.reshape(*lead, -1, bearings, 3).copy()
-    rubber[..., :2] += more.reshape(*lead, -1, bearings, 2)
-    force = (_FINE_BASIS.T @ rubber.reshape(*lead, -1, 3 * bearings)).reshape(*lead, -1, bearings, 3)
-    x = (_FINE_BASIS.T @ travel).reshape(*lead, -1, bearings, 2)
-    pushed = StopContact.of(
-        np.moveaxis(x, -3, -1).reshape(-1, 2, x.shape[-3]),
-        stiffness=np.broadcast_to(stiffness, (*lead, bearings, 2)).reshape(-1, 2),
-        stop=np.broadcast_to(stop, (*lead, bearings)).reshape(-1),
-        ratio=np.broadcast_to(ratio, (*lead, bearings)).reshape(-1),
-    ).force
-    force[..., :2] += np.moveaxis(pushed.reshape(*lead, bearings, 2, -1), -1, -3)
-    mean = force.mean(axis=-3)
-    force -= mean[..., None, :, :]
-    swing = np.sqrt((force[..., 0] ** 2 + force[..., 1] ** 2 + force[..., 2] ** 2).max(-2))
-    far = np.sqrt((x[..., 0] ** 2 + x[..., 1] ** 2).max(-2))
-    return ForcesAtStop(static=np.linalg.norm(mean, axis=-1), dynamic=swing, travel=far)
+        real, imaginary = more[:, at].copy(), more[:, at + 1].copy()
+        more[:, at] = real - eta * imaginary
+        more[:, at + 1] = imaginary + eta * real
+    rubber = linear.reshape(count, _COMPONENTS, size // 2, 3).copy()
+    rubber[..., :2] += more.reshape(count, _COMPONENTS, size // 2, 2)
+    static, dynamic = np.empty(stop.shape), np.empty(stop.shape)
+    for b in range(size // 2):
+        for start in range(0, count, _BLOCK_MOTIONS):
+            some = slice(start, start + _BLOCK_MOTIONS)
+            force = _round_the_half_turn_finely(rubber[some, :, b])
+            force[:, :2] += StopContact.of(
+                _round_the_half_turn_finely(travel[some, :, 2 * b : 2 * b + 2]),
+                stiffness=stiffness[some, b], stop=stop[some, b], ratio=ratio[some, b],
+            ).force  # fmt: skip
+            mean = force.mean(axis=-1)
+            force -= mean[..., None]
+            static[some, b] = np.linalg.norm(mean, axis=-1)
+            dynamic[some, b] = np.sqrt((force * force).sum(axis=1).max(axis=-1))
+    return ForcesAtStop(static=static, dynamic=dynamic)
+
+
+def largest_travel(travel: FloatArray) -> FloatArray:
+    """Return the largest way across the shaft round the half turn of P motions, (P, B) m.
+
+    `travel` (P, M, 2 B) m are components as `StoppedLine.free` has them.
+    """
+    found = np.empty((len(travel), travel.shape[-1] // 2))
+    for b in range(found.shape[1]):
+        for start in range(0, len(travel), _BLOCK_MOTIONS):
+            some = slice(start, start + _BLOCK_MOTIONS)
+            x = _round_the_half_turn_finely(travel[some, :, 2 * b : 2 * b + 2])
+            found[some, b] = np.sqrt((x[:, 0] ** 2 + x[:, 1] ** 2).max(axis=-1))
+    return found
+
+
+def _round_the_half_turn_finely(of: FloatArray) -> FloatArray:
+    """Return components (P, M, D) at `FINE_SAMPLES` angles of a half turn, (P, D, FINE_SAMPLES)."""
+    found = np.ascontiguousarray(of.mT).reshape(-1, _COMPONENTS) @ _FINE_BASIS
+    return found.reshape(len(of), -1, FINE_SAMPLES)
 
 
 def components(mean: FloatArray, waves: ComplexArray) -> FloatArray:
