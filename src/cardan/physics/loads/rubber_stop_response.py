@@ -52,6 +52,10 @@ _FOLLOWED = len(_STIFFENING)
 _SHARES = np.append(_STIFFENING, 1.0)
 _LARGEST_JUMP = 0.3
 """Of the travel to the stop, off where it was expected: more is another motion."""
+_LARGEST_STRAY = 1.0
+"""The same while Newton's method is under way, at which a motion that is followed is given up."""
+_HOPELESS_RESIDUAL = 1.0
+"""Of the travel to the stop: one step of Newton's method has not made up for more."""
 _MOST_STEPS = 8000
 _RESIDUAL_SHARE = 1e-4
 """Of the travel to the stop, below which Newton's method ends."""
@@ -471,11 +475,15 @@ def followed_motion(line: StoppedLine, *, backwards: BoolArray | bool = False) -
         begins = (stage[fresh] < _FOLLOWED)[:, None, None]
         guess = np.where(begins, begun[fresh], before[fresh] + h[fresh, None, None] * slope[fresh])
         under_way.begin(
-            fresh, there[fresh], guess, share=_SHARES[stage[fresh]], is_used=begins[:, 0, 0]
+            fresh,
+            there[fresh],
+            guess,
+            share=_SHARES[stage[fresh]],
+            is_followed=~begins[:, 0, 0] & ~is_lost[fresh],
         )
         some, found, ok = under_way.advance()
         lost, begins = is_lost[some], stage[some] < _FOLLOWED
-        away = np.abs(found - under_way.guess[some]).max((1, 2)) > under_way.largest_jump[some]
+        away = under_way.strays(some) > _LARGEST_JUMP
         ok &= lost | ~away
         # What is lost and not found on from where it was begins from linear rubber.
         stage[some[begins]] += 1
@@ -529,11 +537,11 @@ class _NewtonSolution:
         Receptances of the cases, as `StopReceptance` has them.
     ratio : (C, B)
     steps : (C,)
-    is_busy, is_linear, is_used : (C,)
-        Whether a case is being solved; whether its rubber meets no stop; whether X is used even
-        where Newton's method does not end.
-    least, largest_jump : (C,) m
-        Residual at which it ends, and how far from a guess it may be.
+    is_busy, is_linear, is_followed : (C,)
+        Whether a case is being solved; whether its rubber meets no stop; whether X is used only
+        where Newton's method ends near the guess.
+    nearest : (C,) m
+        Least travel to a stop.
     """
 
     line: StoppedLine
@@ -546,15 +554,13 @@ class _NewtonSolution:
     steps: IntArray
     is_busy: BoolArray
     is_linear: BoolArray
-    is_used: BoolArray
-    least: FloatArray
-    largest_jump: FloatArray
+    is_followed: BoolArray
+    nearest: FloatArray
 
     @classmethod
     def of(cls, line: StoppedLine) -> "_NewtonSolution":
         """Return that of no case."""
         cases = line.free.shape[1]
-        nearest = line.stop.min(-1)
         return cls(
             line=line,
             **{name: np.zeros_like(line.free[0]) for name in ("X", "free", "guess")},
@@ -564,8 +570,8 @@ class _NewtonSolution:
             },
             ratio=line.ratio.copy(),
             steps=np.zeros(cases, dtype=int),
-            **{name: np.zeros(cases, dtype=bool) for name in ("is_busy", "is_linear", "is_used")},
-            least=_RESIDUAL_SHARE * nearest, largest_jump=_LARGEST_JUMP * nearest,
+            **{name: np.zeros(cases, dtype=bool) for name in ("is_busy", "is_linear", "is_followed")},
+            nearest=line.stop.min(-1),
         )  # fmt: skip
 
     def begin(
@@ -575,7 +581,7 @@ class _NewtonSolution:
         guess: FloatArray,
         *,
         share: FloatArray,
-        is_used: BoolArray,
+        is_followed: BoolArray,
     ) -> None:
         """Begin `some` cases at places, with their ratio of stiffness to the power of `share`."""
         if not len(some):
@@ -585,7 +591,7 @@ class _NewtonSolution:
         beyond = _reaches(guess, stop)
         beyond[~beyond] = _reaches(free[~beyond], stop[~beyond])
         self.X[some] = np.where(beyond[:, None, None], guess, free)
-        self.free[some], self.guess[some], self.is_used[some] = free, guess, is_used
+        self.free[some], self.guess[some], self.is_followed[some] = free, guess, is_followed
         self.steps[some], self.is_busy[some], self.is_linear[some] = 0, True, ~beyond
         on = some[beyond]
         self.tied[on], self.alone[on] = line.receptance.at_places(place[beyond], on)
@@ -602,10 +608,14 @@ class _NewtonSolution:
         enough = (len(some) + 1) // 2
         while len(some) and len(some) >= enough:
             at = _Pushes.of(self, some)
-            done = np.abs(at.left).max(axis=(1, 2)) <= self.least[some]
-            last = self.steps[some] == _ITERATIONS - 1
-            stable = at.advance(self, done, ~done & ~(last & ~self.is_used[some]))
+            left = np.abs(at.left).max(axis=(1, 2)) / self.nearest[some]
+            done = left <= _RESIDUAL_SHARE
+            to_go = _ITERATIONS - self.steps[some]
+            lost = (to_go == 1) | ((to_go == 2) & (left > _HOPELESS_RESIDUAL))
+            lost = self.is_followed[some] & (lost | (self.strays(some) > _LARGEST_STRAY))
+            stable = at.advance(self, done, ~done & ~lost)
             self.steps[some] += ~done
+            last = lost | (to_go == 1)
             over = done | last
             if over.any():
                 ended.append(some[over])
@@ -614,6 +624,10 @@ class _NewtonSolution:
         every = np.concatenate(ended)
         self.is_busy[every] = False
         return every, self.X[every], np.concatenate(ok)
+
+    def strays(self, some: IntArray) -> FloatArray:
+        """Return how far X is off its guess in some cases, of the travel to the stop, (C',)."""
+        return np.abs(self.X[some] - self.guess[some]).max(axis=(1, 2)) / self.nearest[some]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
