@@ -22,7 +22,7 @@ Source: Cameron and Griffin (1989), J. Appl. Mech. 56, 149 (alternating frequenc
 Gross (2019), Harmonic Balance for Nonlinear Vibration Problems.
 """
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -61,6 +61,8 @@ _RESIDUAL_SHARE = 1e-4
 """Of the travel to the stop, below which Newton's method ends."""
 _BLOCK_MOTIONS = 128
 """Evaluated at once: more of them leave the cache."""
+_BLOCK_MATRICES = 24
+"""The same of Newton's matrices of one bearing."""
 _LEAST_TRAVEL_M = 1e-300
 """Which has a direction."""
 
@@ -213,6 +215,10 @@ class StopContact:
             x=x, y=y, n1=n1, n2=n2,
             beyond=beyond, within=1 - beyond, more=ratio[:, None] - 1,
         )  # fmt: skip
+
+    def select(self, which: IntArray) -> "StopContact":
+        """Return some of the bearings."""
+        return StopContact(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
 
     @property
     def force(self) -> FloatArray:
@@ -641,6 +647,8 @@ class _Pushes:
         Residual of X = X₀ - C F(X).
     met : (C', B)
         Which bearings meet their stops.
+    first : (C',)
+        Contact of each case's first one, or where it would be.
     contact
         What stops do to these, in order.
     """
@@ -648,6 +656,7 @@ class _Pushes:
     some: IntArray
     left: FloatArray
     met: BoolArray
+    first: IntArray
     contact: StopContact
 
     @classmethod
@@ -668,7 +677,8 @@ class _Pushes:
         force = push.transpose(0, 3, 1, 2).reshape(count, -1, 1)
         left = X - solution.free[some]
         left += _moved_by(solution.tied[some], solution.alone[some], force).reshape(X.shape)
-        return cls(some=some, left=left, met=met, contact=contact)
+        first = np.searchsorted(case, np.arange(count))
+        return cls(some=some, left=left, met=met, first=first, contact=contact)
 
     def advance(
         self, solution: _NewtonSolution, done: BoolArray, goes_on: BoolArray
@@ -679,54 +689,62 @@ class _Pushes:
         the others follow.
         """
         stable = np.ones(len(done), dtype=bool)
-        which = self.met @ (1 << np.arange(self.met.shape[1]))
-        which[~(done | goes_on)] = -1
-        slope = self.contact.slope.reshape(-1, SAMPLES) @ _PAIRS
-        slope = slope.reshape(-1, 3, _COMPONENTS, _COMPONENTS)
-        first = np.cumsum(self.met.sum(axis=1)) - self.met.sum(axis=1)
-        for code in np.unique(which[which >= 0]).tolist():
-            rows = np.flatnonzero(which == code)
-            met = np.flatnonzero(self.met[rows[0]])
-            go = goes_on[rows]
-            if not len(met):
-                solution.X[self.some[rows[go]]] -= self.left[rows[go]]
+        asked = np.flatnonzero(done | goes_on)
+        codes = self.met[asked] @ (1 << np.arange(self.met.shape[1]))
+        for code in set(codes.tolist()):
+            alike = asked[codes == code]
+            if not code:
+                alike = alike[goes_on[alike]]
+                solution.X[self.some[alike]] -= self.left[alike]
                 continue
-            D = slope[first[rows, None] + np.arange(len(met))]
-            tied, alone, left = solution.tied[self.some[rows]], solution.alone[self.some[rows]], self.left[rows]
-            every = len(met) == self.met.shape[1]
-            own = np.ravel(2 * met[:, None] + [0, 1])
-            J = _by_components(D)
-            matrix = _moved_by(*(
-                (tied, alone) if every else (_some_travels(tied, own, 5), _some_travels(alone, own, 2))
-            ), J)
-            matrix += np.eye(matrix.shape[-1])
-            if not go.all():
-                stable[rows[~go]] = np.linalg.slogdet(matrix[~go])[0] > 0
-            if go.any():
-                b = left[go][..., own].reshape(go.sum(), -1, 1)
-                moved = np.linalg.solve(matrix[go], b)
-                if every:
-                    step = moved.reshape(left[go].shape)
-                else:
-                    push = np.zeros_like(left[go])
-                    push[..., own] = (J[go] @ moved).reshape(*push.shape[:2], -1)
-                    back = _moved_by(tied[go], alone[go], push.reshape(len(push), -1, 1))
-                    step = left[go] - back.reshape(push.shape)
-                solution.X[self.some[rows[go]]] -= step
+            at_once = max(1, _BLOCK_MATRICES // self.met[alike[0]].sum() ** 2)
+            for start in range(0, len(alike), at_once):
+                rows = alike[start : start + at_once]
+                rows = rows[np.argsort(goes_on[rows], kind="stable")]  # those that go on last
+                ended = len(rows) - int(goes_on[rows].sum())
+                stable[rows[:ended]] = self._solve(solution, rows, ended)
+        return stable
+
+    def _solve(self, solution: _NewtonSolution, rows: IntArray, ended: int) -> BoolArray:
+        """Take a step in cases that meet the same stops, but those that ended first.
+
+        Return whether these are stable.
+        """
+        met, some, left = np.flatnonzero(self.met[rows[0]]), self.some[rows], self.left[rows]
+        tied, alone = solution.tied[some], solution.alone[some]
+        contacts = self.first[rows, None] + np.arange(len(met))
+        J = _by_components(self.contact.select(contacts.ravel()).slope, bearings=len(met))
+        every, own = len(met) == self.met.shape[1], np.ravel(2 * met[:, None] + [0, 1])
+        moves = (tied, alone) if every else (_part(tied, own, 5), _part(alone, own, 2))
+        matrix = _moved_by(*moves, J)
+        matrix.reshape(len(rows), -1)[:, :: matrix.shape[-1] + 1] += 1
+        stable = np.linalg.slogdet(matrix[:ended])[0] > 0 if ended else np.ones(0, dtype=bool)
+        if ended == len(rows):
+            return stable
+        step, going = left[ended:], len(rows) - ended
+        moved = np.linalg.solve(matrix[ended:], step[..., own].reshape(going, -1, 1))
+        if every:
+            step = moved.reshape(step.shape)
+        else:
+            push = np.zeros_like(step)
+            push[..., own] = (J[ended:] @ moved).reshape(going, _COMPONENTS, -1)
+            back = _moved_by(tied[ended:], alone[ended:], push.reshape(going, -1, 1))
+            step = step - back.reshape(step.shape)
+        solution.X[some[ended:]] -= step
         return stable
 
 
-def _by_components(slope: FloatArray) -> FloatArray:
-    """Return slopes (C', B', 3, M, M) of bearings as a matrix of all travels, (C', M 2B', M 2B')."""
-    count, bearings = slope.shape[:2]
-    found = np.zeros((count, _COMPONENTS, bearings, 2, _COMPONENTS, bearings, 2))
+def _by_components(slope: FloatArray, *, bearings: int) -> FloatArray:
+    """Return slopes (C' B', 3, SAMPLES) of B' bearings each as matrices, (C', M 2B', M 2B')."""
+    D = (slope.reshape(-1, SAMPLES) @ _PAIRS).reshape(-1, bearings, 3, _COMPONENTS, _COMPONENTS)
+    found = np.zeros((len(D), _COMPONENTS, bearings, 2, _COMPONENTS, bearings, 2))
     for b in range(bearings):
-        found[:, :, b, 0, :, b, 0], found[:, :, b, 1, :, b, 1] = slope[:, b, 0], slope[:, b, 1]
-        found[:, :, b, 0, :, b, 1] = found[:, :, b, 1, :, b, 0] = slope[:, b, 2]
-    return found.reshape(count, _COMPONENTS * 2 * bearings, -1)
+        found[:, :, b, 0, :, b, 0], found[:, :, b, 1, :, b, 1] = D[:, b, 0], D[:, b, 1]
+        found[:, :, b, 0, :, b, 1] = found[:, :, b, 1, :, b, 0] = D[:, b, 2]
+    return found.reshape(len(D), _COMPONENTS * 2 * bearings, -1)
 
 
-def _some_travels(receptance: FloatArray, own: IntArray, parts: int) -> FloatArray:
+def _part(receptance: FloatArray, own: IntArray, parts: int) -> FloatArray:
     """Return the receptance (..., `parts` D, `parts` D) of some of D travels and forces."""
     size = receptance.shape[-1] // parts
     which = np.ravel(size * np.arange(parts)[:, None] + own)
@@ -745,6 +763,6 @@ def _moved_by(tied: FloatArray, alone: FloatArray, forces: FloatArray) -> FloatA
 
 def _reaches(travel: FloatArray, stop: FloatArray) -> BoolArray:
     """Return whether a motion (C, M, 2 B) reaches a stop (C, B), in its largest sum at least."""
-    x = round_the_half_turn(travel)
-    far = (x[..., 0::2] ** 2 + x[..., 1::2] ** 2).max(-2, initial=0.0)
-    return (far > stop**2).any(-1)
+    x = np.ascontiguousarray(travel.mT).reshape(-1, _COMPONENTS) @ _BASIS
+    x = x.reshape(*stop.shape, 2, SAMPLES)
+    return ((x[:, :, 0] ** 2 + x[:, :, 1] ** 2).max(axis=-1) > stop**2).any(axis=-1)
