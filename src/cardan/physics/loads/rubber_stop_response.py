@@ -22,7 +22,7 @@ Source: Cameron and Griffin (1989), J. Appl. Mech. 56, 149 (alternating frequenc
 Gross (2019), Harmonic Balance for Nonlinear Vibration Problems.
 """
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -81,9 +81,29 @@ def _basis(samples: int) -> FloatArray:
 
 
 _BASIS, _FINE_BASIS = _basis(SAMPLES), _basis(FINE_SAMPLES)
-_PROJECTION = 2 * _BASIS.T / SAMPLES
+_PROJECTION = np.ascontiguousarray(2 * _BASIS.T / SAMPLES)
 _PROJECTION[:, 0] /= 2
-_PAIRS = (_PROJECTION[:, :, None] * _BASIS.T[:, None, :]).reshape(SAMPLES, -1)
+
+
+def _pair_projections() -> tuple[FloatArray, IntArray]:
+    """Return what a slope at `SAMPLES` makes of pairs of components, (SAMPLES, K), each once.
+
+    Then which of K is the force's component i of a travel's component j, (M, 2, M, 2), of slopes
+    along the axes and across between, of 3 K. Products of two are the same both ways, but for
+    the mean's half share.
+    """
+    i, j = np.indices((_COMPONENTS, _COMPONENTS))
+    own = np.argwhere((i <= j) | (j == 0))
+    place = np.zeros((_COMPONENTS, _COMPONENTS), dtype=int)
+    place[tuple(own.T)] = np.arange(len(own))
+    place = np.where((i > j) & (j > 0), place.T, place)
+    found = _PROJECTION[:, own[:, 0]] * _BASIS.T[:, own[:, 1]]
+    kinds = np.array([[0, 2], [2, 1]])
+    each = len(own) * kinds[None, :, None, :] + place[:, None, :, None]
+    return np.ascontiguousarray(found), each
+
+
+_PAIRS, _PLACES_OF_PAIRS = _pair_projections()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -215,10 +235,6 @@ class StopContact:
             x=x, y=y, n1=n1, n2=n2,
             beyond=beyond, within=1 - beyond, more=ratio[:, None] - 1,
         )  # fmt: skip
-
-    def select(self, which: IntArray) -> "StopContact":
-        """Return some of the bearings."""
-        return StopContact(**{f.name: getattr(self, f.name)[which] for f in fields(self)})
 
     @property
     def force(self) -> FloatArray:
@@ -691,29 +707,32 @@ class _Pushes:
         stable = np.ones(len(done), dtype=bool)
         asked = np.flatnonzero(done | goes_on)
         codes = self.met[asked] @ (1 << np.arange(self.met.shape[1]))
+        slopes = (self.contact.slope.reshape(-1, SAMPLES) @ _PAIRS).reshape(-1, 3 * _PAIRS.shape[1])
         for code in set(codes.tolist()):
             alike = asked[codes == code]
             if not code:
                 alike = alike[goes_on[alike]]
                 solution.X[self.some[alike]] -= self.left[alike]
                 continue
-            at_once = max(1, _BLOCK_MATRICES // self.met[alike[0]].sum() ** 2)
+            at_once = max(1, _BLOCK_MATRICES // int(self.met[alike[0]].sum()) ** 2)
             for start in range(0, len(alike), at_once):
                 rows = alike[start : start + at_once]
-                rows = rows[np.argsort(goes_on[rows], kind="stable")]  # those that go on last
+                rows = np.concatenate([rows[~goes_on[rows]], rows[goes_on[rows]]])
                 ended = len(rows) - int(goes_on[rows].sum())
-                stable[rows[:ended]] = self._solve(solution, rows, ended)
+                stable[rows[:ended]] = self._solve(solution, slopes, rows, ended)
         return stable
 
-    def _solve(self, solution: _NewtonSolution, rows: IntArray, ended: int) -> BoolArray:
-        """Take a step in cases that meet the same stops, but those that ended first.
+    def _solve(
+        self, solution: _NewtonSolution, slopes: FloatArray, rows: IntArray, ended: int
+    ) -> BoolArray:
+        """Take a step in cases that meet the same stops, but those that ended, which come first.
 
-        Return whether these are stable.
+        Return whether these are stable. `slopes` are those of contacts by pairs of components.
         """
         met, some, left = np.flatnonzero(self.met[rows[0]]), self.some[rows], self.left[rows]
         tied, alone = solution.tied[some], solution.alone[some]
         contacts = self.first[rows, None] + np.arange(len(met))
-        J = _by_components(self.contact.select(contacts.ravel()).slope, bearings=len(met))
+        J = _by_components(slopes[contacts])
         every, own = len(met) == self.met.shape[1], np.ravel(2 * met[:, None] + [0, 1])
         moves = (tied, alone) if every else (_part(tied, own, 5), _part(alone, own, 2))
         matrix = _moved_by(*moves, J)
@@ -734,14 +753,17 @@ class _Pushes:
         return stable
 
 
-def _by_components(slope: FloatArray, *, bearings: int) -> FloatArray:
-    """Return slopes (C' B', 3, SAMPLES) of B' bearings each as matrices, (C', M 2B', M 2B')."""
-    D = (slope.reshape(-1, SAMPLES) @ _PAIRS).reshape(-1, bearings, 3, _COMPONENTS, _COMPONENTS)
-    found = np.zeros((len(D), _COMPONENTS, bearings, 2, _COMPONENTS, bearings, 2))
+def _by_components(slopes: FloatArray) -> FloatArray:
+    """Return slopes (C', B', 3 K) by pairs of components as matrices, (C', M 2B', M 2B')."""
+    count, bearings = slopes.shape[:2]
+    each = np.take(slopes, _PLACES_OF_PAIRS.ravel(), axis=2)
+    each = each.reshape(count, bearings, *_PLACES_OF_PAIRS.shape)
+    if bearings == 1:
+        return each.reshape(count, 2 * _COMPONENTS, -1)
+    found = np.zeros((count, _COMPONENTS, bearings, 2, _COMPONENTS, bearings, 2))
     for b in range(bearings):
-        found[:, :, b, 0, :, b, 0], found[:, :, b, 1, :, b, 1] = D[:, b, 0], D[:, b, 1]
-        found[:, :, b, 0, :, b, 1] = found[:, :, b, 1, :, b, 0] = D[:, b, 2]
-    return found.reshape(len(D), _COMPONENTS * 2 * bearings, -1)
+        found[:, :, b, :, :, b, :] = each[:, b]
+    return found.reshape(count, _COMPONENTS * 2 * bearings, -1)
 
 
 def _part(receptance: FloatArray, own: IntArray, parts: int) -> FloatArray:
