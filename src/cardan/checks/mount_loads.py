@@ -209,10 +209,13 @@ class MountLoads:
         Of one design. Of many it is too dear: their forces there are lower bounds.
         """
         held = self.mounts.mounted_line
-        return held and self.stop_response_on(held)
+        return held and self.stop_response_on(held, reaches=True)
 
-    def stop_response_on(self, held: MountedLine) -> StopResponse | None:
-        """Return `stop_response` of a line that moves otherwise, as with another loss factor."""
+    def stop_response_on(self, held: MountedLine, *, reaches: bool = False) -> StopResponse | None:
+        """Return `stop_response` of a line that moves otherwise, as with another loss factor.
+
+        Without how far shafts reach into obstacles, unless it `reaches`.
+        """
         screened, refined = self.screened_forces, self.refined_forces
         if screened is None or refined is None:
             return None
@@ -227,6 +230,7 @@ class MountLoads:
             ratios=self.stop_stiffness_ratios,
             states=beyond,
             held=held,
+            reaches=reaches,
         )
 
     @property

@@ -24,11 +24,14 @@ from cardan.physics.loads.rubber_mount import MountedLine
 from cardan.physics.loads.rubber_stop_response import (
     StoppedLine,
     StoppedMotion,
+    StopReceptance,
     all_motions,
     at_places,
     components,
     forces_at_stop,
-    stop_receptance,
+    largest_travel,
+    receptance_alone,
+    tied_receptance,
 )
 from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.operating_points import (
@@ -140,6 +143,7 @@ def stop_response(
     ratios: FloatArray,
     states: BoolArray,
     held: MountedLine,
+    reaches: bool = True,
 ) -> StopResponse | None:
     """Return what bearings carry in `states` (S,) in which linear rubber goes beyond its stop.
 
@@ -151,6 +155,8 @@ def stop_response(
     ratios : (R, n-2)
     held
         How the line can move on its rubber.
+    reaches
+        Whether how far shafts reach into obstacles is evaluated too.
     """
     sweeps = _sweeps(mounts, travel, forces, stop, states)
     if sweeps is None:
@@ -158,21 +164,23 @@ def stop_response(
     grid = _Grid.of(mounts, sweeps, held)
     others = _others(mounts, forces, sweeps)
     of, thrust = grid.cases()
-    ratio = np.tile(ratios[-1], (len(of), 1))
     told, worst = np.full(len(of), len(ratios) - 1), 0
     if len(ratios) > 1:  # the range is evaluated where linear rubber has the largest force
         met = np.isin(np.arange(len(states)), sweeps.state)[:, None]
         most = np.where(met, np.nan_to_num(forces.results.peak.max(axis=0)), -1).max(-1)
         worst = int(most.argmax())
         some = np.flatnonzero(sweeps.state[of] == worst)
-        ratio = np.concatenate([ratio, np.tile(ratios[0], (len(some), 1))])
         of, thrust = np.concatenate([of, of[some]]), np.concatenate([thrust, thrust[some]])
         told = np.concatenate([told, np.zeros(len(some), dtype=int)])
-    line = grid.line(of, thrust, stop, ratio)
+    both, of_forces, of_reach = _both_kinds_of_cases(
+        np.stack([of, thrust, told]), grid.cases_of_reach(len(ratios) if reaches else 0)
+    )
+    line = grid.line(both[0], both[1], stop, ratios[both[2]])
     motion = all_motions(line)
+    own, found = line.select_cases(of_forces), motion.select_cases(of_forces)
     cases = _FollowedCases(
-        grid=grid, sweep=of, thrust=thrust, stop=stop, place=motion.place,
-        sizes=grid.sizes(line, motion, of, thrust),
+        grid=grid, sweep=of, thrust=thrust, stop=stop, place=found.place,
+        sizes=grid.sizes(own, found, of, thrust),
     )  # fmt: skip
     each = [
         _solved(cases.select(np.flatnonzero(told == r)), others, len(states))
@@ -188,8 +196,17 @@ def stop_response(
         points={k: _points(mounts, *stiff.points[k]) for k in FORCE_KINDS},
         peak_parts=stiff.peak_parts,
         travel=np.stack([one.travel for one in each]),
-        reach=grid.reach(stop, ratios, states=len(states)),
+        reach=grid.reach(motion.select_cases(of_reach), both[0, of_reach], states=len(states)),
     )
+
+
+def _both_kinds_of_cases(
+    forces: IntArray, reach: IntArray
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Return all cases once, sweeps, thrusts and ratios (3, C), and which are of either kind."""
+    each, own = np.unique(np.concatenate([forces, reach], axis=1), axis=1, return_inverse=True)
+    own = own.reshape(-1)
+    return each, own[: forces.shape[1]], own[forces.shape[1] :]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -546,16 +563,26 @@ class _Grid:
         """Return cases of the sweeps with their stops and a ratio (C', B) each."""
         return StoppedLine(
             free=self.travel(of, thrust),
-            receptance=stop_receptance(
-                self.on.select_states(of.tolist()),
-                self.coupling[:, of],
-                speed=self.speed[:, of],
-                torque=self.torque[:, of],
-                compression=self.compression[thrust, :, of].T,
-            ),
+            receptance=self.receptance(of, thrust),
             stiffness=self.stiffness[of],
             stop=np.broadcast_to(stop, (len(of), self.stiffness.shape[-2])),
             ratio=ratios,
+        )
+
+    def receptance(self, of: IntArray, thrust: IntArray) -> StopReceptance:
+        """Return what a stop's forces move in cases of the sweeps."""
+        each, own = np.unique(np.stack([of, thrust]), axis=1, return_inverse=True)
+        return StopReceptance(
+            tied=tied_receptance(
+                self.on.select_states(each[0].tolist()),
+                self.coupling[:, each[0]],
+                speed=self.speed[:, each[0]],
+                torque=self.torque[:, each[0]],
+                compression=self.compression[each[1], :, each[0]].T,
+            ),
+            alone=receptance_alone(self.on, speed=self.speed, torque=self.torque),
+            tied_of=own.reshape(-1),
+            alone_of=of,
         )
 
     def sizes(
@@ -563,40 +590,52 @@ class _Grid:
     ) -> dict[str, FloatArray]:
         """Return sizes of forces and travel of motions, (T, C', B), by kind; -inf where none."""
         there = np.nonzero(~np.isnan(motion.place))
-        place, case = motion.place[there], there[1]
-        own = of[case]
-        found = forces_at_stop(
-            motion.travel[there],
-            at_places(line.free, place, case),
-            at_places(self.force_of(of, thrust), place, case),
-            stiffness=line.stiffness[case],
-            loss=self.loss[-1, own],
-            stop=line.stop[case],
-            ratio=line.ratio[case],
-        )
-        # Of linear motions orders add up as they do elsewhere.
-        linear = semi_major_axis(_waves(at_places(self.force, place, own)))
-        free = (found.travel <= line.stop[case]).all(axis=-1, keepdims=True)
-        dynamic = np.where(free, linear.sum(-1), found.dynamic)
-        peak = found.static + dynamic + at_places(self.order1, place, own)
-        sizes = {"static": found.static, "dynamic": dynamic, "peak": peak, "travel": found.travel}
+        far = largest_travel(motion.travel[there])
+        stops = (far > line.stop[there[1]]).any(axis=-1)
+        sizes = {kind: np.empty_like(far) for kind in FORCE_KINDS} | {"travel": far}
+        linear = self.force_of(of, thrust)
+        for which in (stops, ~stops):
+            place, case = motion.place[there][which], there[1][which]
+            force = at_places(linear, place, case)
+            if which is stops:
+                found = forces_at_stop(
+                    motion.travel[there][which],
+                    at_places(line.free, place, case),
+                    force,
+                    stiffness=line.stiffness[case],
+                    loss=self.loss[-1, of[case]],
+                    stop=line.stop[case],
+                    ratio=line.ratio[case],
+                )
+                static, dynamic = found.static, found.dynamic
+            else:  # orders add up as they do elsewhere
+                mean = force[:, 0].reshape(*far[which].shape, 3)
+                static = np.linalg.norm(mean, axis=-1)
+                dynamic = semi_major_axis(_waves(force)).sum(-1)
+            sizes["static"][which], sizes["dynamic"][which] = static, dynamic
+            sizes["peak"][which] = static + dynamic + at_places(self.order1, place, of[case])
         whole: dict[str, FloatArray] = {}
         for kind, values in sizes.items():
             whole[kind] = np.full((*motion.place.shape, values.shape[-1]), -np.inf)
             whole[kind][there] = values
         return whole
 
-    def reach(self, stop: FloatArray, ratios: FloatArray, *, states: int) -> FloatArray:
+    def cases_of_reach(self, ratios: int) -> IntArray:
+        """Return sweeps, thrusts and ratios (3, C) with which shafts may reach into obstacles.
+
+        Thrust is in how far the line lies from these, and moves it as on linear rubber.
+        """
+        count = 0 if self.obstacles is None else ratios
+        ratio, sweep = (v.ravel() for v in np.indices((count, len(self.sweeps.state))))
+        return np.stack([sweep, 0 * sweep, ratio])
+
+    def reach(self, motion: StoppedMotion, of: IntArray, *, states: int) -> FloatArray:
         """Return how far shafts reach into obstacles in states at most, (S, A) m.
 
-        With each of the `ratios` (R, B); -inf where no motion is found. Thrust is that where the
-        line lies, not what the stroke makes of it elsewhere, and moves it as on linear rubber.
+        In motions of `cases_of_reach`, of sweeps (C',); -inf where none is found.
         """
         if self.obstacles is None:
             return np.empty((states, 0))
-        of = np.tile(np.arange(len(self.sweeps.state)), len(ratios))
-        line = self.line(of, 0 * of, stop, np.repeat(ratios, len(self.sweeps.state), axis=0))
-        motion = all_motions(line)
         there = np.nonzero(~np.isnan(motion.place))
         own = of[there[1]]
         found = self.obstacles.reach(motion.travel[there], motion.place[there], own)

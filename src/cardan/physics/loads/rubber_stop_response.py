@@ -22,9 +22,12 @@ Source: Cameron and Griffin (1989), J. Appl. Mech. 56, 149 (alternating frequenc
 Gross (2019), Harmonic Balance for Nonlinear Vibration Problems.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from cardan.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from cardan.core.batched_linalg import broadcast_cases, matrix_axes_first, matrix_product, solve
 from cardan.core.lazy_dataclass import dataclass
 from cardan.physics.loads.rubber_mount import MountedLine
 
@@ -49,27 +52,90 @@ _FOLLOWED = len(_STIFFENING)
 _SHARES = np.append(_STIFFENING, 1.0)
 _LARGEST_JUMP = 0.3
 """Of the travel to the stop, off where it was expected: more is another motion."""
+_LARGEST_STRAY = 1.0
+"""The same while Newton's method is under way, at which a motion that is followed is given up."""
+_HOPELESS_RESIDUAL = 1.0
+"""Of the travel to the stop: one step of Newton's method has not made up for more."""
 _MOST_STEPS = 8000
 _RESIDUAL_SHARE = 1e-4
 """Of the travel to the stop, below which Newton's method ends."""
+_BLOCK_MOTIONS = 128
+"""Evaluated at once: more of them leave the cache."""
+_BLOCK_MATRICES = 24
+"""The same of Newton's matrices of one bearing."""
+_LEAST_TRAVEL_M = 1e-300
+"""Which has a direction."""
 
 _LAST_TIED_ORDER = 4
 _PLACES_OF_ORDERS = tuple(zip(range(1, 2 * len(STOP_ORDERS), 2), STOP_ORDERS, strict=True))
 _COMPONENTS = 1 + 2 * len(STOP_ORDERS)
+_TIED_COMPONENTS = 1 + 2 * sum(order <= _LAST_TIED_ORDER for order in STOP_ORDERS)
 
 
 def _basis(samples: int) -> FloatArray:
-    """Return what components are at angles of a half turn, (samples, M)."""
-    angles = np.pi / samples * np.outer(np.arange(samples), np.array(STOP_ORDERS))
-    found = np.ones((samples, _COMPONENTS))
-    found[:, 1::2], found[:, 2::2] = np.cos(angles), -np.sin(angles)
+    """Return what components are at angles of a half turn, (M, samples)."""
+    angles = np.pi / samples * np.outer(np.array(STOP_ORDERS), np.arange(samples))
+    found = np.ones((_COMPONENTS, samples))
+    found[1::2], found[2::2] = np.cos(angles), -np.sin(angles)
     return found
 
 
 _BASIS, _FINE_BASIS = _basis(SAMPLES), _basis(FINE_SAMPLES)
-_PROJECTION = 2 * _BASIS.T / SAMPLES
-_PROJECTION[0] /= 2
-_PAIRS = (_PROJECTION[:, None, :] * _BASIS.T).reshape(-1, SAMPLES)
+_PROJECTION = np.ascontiguousarray(2 * _BASIS.T / SAMPLES)
+_PROJECTION[:, 0] /= 2
+
+
+def _pair_projections() -> tuple[FloatArray, IntArray]:
+    """Return what a slope at `SAMPLES` makes of pairs of components, (SAMPLES, K), each once.
+
+    Then which of K is the force's component i of a travel's component j, (M, 2, M, 2), of slopes
+    along the axes and across between, of 3 K. Products of two are the same both ways, but for
+    the mean's half share.
+    """
+    i, j = np.indices((_COMPONENTS, _COMPONENTS))
+    own = np.argwhere((i <= j) | (j == 0))
+    place = np.zeros((_COMPONENTS, _COMPONENTS), dtype=int)
+    place[tuple(own.T)] = np.arange(len(own))
+    place = np.where((i > j) & (j > 0), place.T, place)
+    found = _PROJECTION[:, own[:, 0]] * _BASIS.T[:, own[:, 1]]
+    kinds = np.array([[0, 2], [2, 1]])
+    each = len(own) * kinds[None, :, None, :] + place[:, None, :, None]
+    return np.ascontiguousarray(found), each
+
+
+_PAIRS, _PLACES_OF_PAIRS = _pair_projections()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StopReceptance:
+    """What a stop's forces at the bearings move them, with what it loses, at speeds Q; m/N.
+
+    Attributes
+    ----------
+    tied : (Q, U, 5 2B, 5 2B)
+        Of the mean and orders 2 and 4, which the torque ties to one another, components as
+        `StoppedLine.free` has them.
+    alone : (Q, W, K, 4 B, 4 B)
+        Of each order above: the real parts, then the imaginary ones.
+    tied_of, alone_of : (C,)
+        Which of the lines U and W each case is.
+    """
+
+    tied: FloatArray
+    alone: FloatArray
+    tied_of: IntArray
+    alone_of: IntArray
+
+    def select_cases(self, which: IntArray) -> "StopReceptance":
+        """Return that of some of the cases."""
+        return replace(self, tied_of=self.tied_of[which], alone_of=self.alone_of[which])
+
+    def at_places(self, place: FloatArray, cases: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Return `tied` and `alone` of cases (C',) at a place of the speeds each."""
+        return (
+            at_places(self.tied, place, self.tied_of[cases]),
+            at_places(self.alone, place, self.alone_of[cases]),
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,9 +147,8 @@ class StoppedLine:
     free : (Q, C, M, 2 B) m
         Travel on linear rubber across the shafts, M components: mean, then real and imaginary
         part of each of `STOP_ORDERS`.
-    receptance : (Q, C, M 2B, M 2B) m/N
-        What a stop's forces at the bearings move them, with what it loses; components as `free`
-        has them.
+    receptance
+        What a stop's forces at the bearings move them.
     stiffness : (C, B, 2) N/m
     stop : (C, B) m
         Travel to the stop; inf where there is none.
@@ -92,7 +157,7 @@ class StoppedLine:
     """
 
     free: FloatArray
-    receptance: FloatArray
+    receptance: StopReceptance
     stiffness: FloatArray
     stop: FloatArray
     ratio: FloatArray
@@ -101,7 +166,7 @@ class StoppedLine:
         """Return some of the cases."""
         return StoppedLine(
             free=self.free[:, which],
-            receptance=self.receptance[:, which],
+            receptance=self.receptance.select_cases(which),
             stiffness=self.stiffness[which],
             stop=self.stop[which],
             ratio=self.ratio[which],
@@ -123,77 +188,80 @@ class StoppedMotion:
     place: FloatArray
     travel: FloatArray
 
+    def select_cases(self, which: IntArray) -> "StoppedMotion":
+        """Return those of some of the cases."""
+        return StoppedMotion(place=self.place[:, which], travel=self.travel[:, which])
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StopContact:
-    """Bearings at J instants, and how far each is beyond its stop, arrays (C, J, B).
+    """Bearings P at J instants, and how far each is beyond its stop.
 
     Attributes
     ----------
-    n1, n2, k : 1, 1, N/m
-        Direction of the travel across the shaft, and the rubber's stiffness in it.
-    s1, s2 : N/m
-        How that varies across the direction: k' = 2 s/u.
-    gap, share : m, 1
-        Travel beyond the stop, and of all travel; 0 within it.
-    more : (C, 1, B)
+    K1, K2, k : (P, 1), (P, 1), (P, J) N/m
+        Stiffness of the rubber along its axes, and in the direction of the travel.
+    x, y, n1, n2 : (P, J) m, 1
+        Travel across the shaft, and its direction.
+    beyond, within : (P, J)
+        Shares of the travel beyond the stop, and up to it.
+    more : (P, 1)
         Stiffness that the stop adds, over that of the rubber.
     """
 
-    stiffness: FloatArray
+    K1: FloatArray
+    K2: FloatArray
+    k: FloatArray
+    x: FloatArray
+    y: FloatArray
     n1: FloatArray
     n2: FloatArray
-    k: FloatArray
-    s1: FloatArray
-    s2: FloatArray
-    gap: FloatArray
-    share: FloatArray
+    beyond: FloatArray
+    within: FloatArray
     more: FloatArray
 
     @classmethod
     def of(
         cls, travel: FloatArray, *, stiffness: FloatArray, stop: FloatArray, ratio: FloatArray
     ) -> "StopContact":
-        """Return it of `travel` (C, J, 2 B) m, stiffness (C, B, 2) N/m, stop and ratio (C, B)."""
-        x, y = travel[..., 0::2], travel[..., 1::2]
-        u = np.sqrt(x * x + y * y)
-        gap = np.maximum(u - stop[:, None], 0.0)
-        u = np.maximum(u, np.finfo(float).tiny)
+        """Return it of `travel` (P, 2, J) m, stiffness (P, 2) N/m, stop and ratio (P,)."""
+        x, y = travel[:, 0], travel[:, 1]
+        u = np.maximum(np.sqrt(x * x + y * y), _LEAST_TRAVEL_M)
+        beyond = np.maximum(1 - stop[:, None] / u, 0.0)
         n1, n2 = x / u, y / u
-        K1, K2 = stiffness[:, None, :, 0], stiffness[:, None, :, 1]
-        k = K1 * (n1 * n1) + K2 * (n2 * n2)
+        K1, K2 = stiffness[:, :1], stiffness[:, 1:]
         return cls(
-            stiffness=stiffness,
-            n1=n1, n2=n2, k=k, s1=(K1 - k) * n1, s2=(K2 - k) * n2,
-            gap=gap, share=gap / u, more=ratio[:, None] - 1,
+            K1=K1, K2=K2, k=K1 * (n1 * n1) + K2 * (n2 * n2),
+            x=x, y=y, n1=n1, n2=n2,
+            beyond=beyond, within=1 - beyond, more=ratio[:, None] - 1,
         )  # fmt: skip
 
     @property
     def force(self) -> FloatArray:
-        """What stops add to the rubber's force, (C, J, 2 B) N: the gradient of V."""
-        found = np.empty((*self.gap.shape, 2))
-        size = self.more * self.gap
-        found[..., 0] = size * (self.k * self.n1 + self.share * self.s1)
-        found[..., 1] = size * (self.k * self.n2 + self.share * self.s2)
-        return found.reshape(*found.shape[:-2], -1)
+        """What stops add to the rubber's force, (P, 2, J) N: the gradient of V."""
+        found = np.empty((len(self.x), 2, self.x.shape[-1]))
+        size, same = self.more * self.beyond, self.within * self.k
+        found[:, 0] = size * self.x * (self.beyond * self.K1 + same)
+        found[:, 1] = size * self.y * (self.beyond * self.K2 + same)
+        return found
 
     @property
     def slope(self) -> FloatArray:
-        """Its derivatives by the travel, (C, J, 3, B) N/m: along the axes, and across between."""
-        n1, n2, s1, s2, g = self.n1, self.n2, self.s1, self.s2, self.share
-        # k (1 - g) n n' + g (k (1 - n n') + 2 (n s' + s n')) + g² (K - k - 2 (n s' + s n'))
-        K1, K2 = self.stiffness[:, None, :, 0], self.stiffness[:, None, :, 1]
-        more = self.more * (self.gap > 0)
-        both, rest = self.k * (1 - g), 2 * g * (1 - g)
-        even, g2 = g * self.k, g * g
-        found = np.empty((*g.shape[:-1], 3, g.shape[-1]))
-        found[..., 0, :] = more * (both * n1 * n1 + even + 2 * rest * n1 * s1 + g2 * (K1 - self.k))
-        found[..., 1, :] = more * (both * n2 * n2 + even + 2 * rest * n2 * s2 + g2 * (K2 - self.k))
-        found[..., 2, :] = more * (both * n1 * n2 + rest * (n1 * s2 + n2 * s1))
+        """Its derivatives by the travel, (P, 3, J) N/m: along the axes, and across between."""
+        n1, n2, s = self.n1, self.n2, self.beyond
+        # With s = beyond, a = within: s² K + s a k + (a² - 3 s a) k n n' + 2 s a (K n n' + n n' K)
+        both, same = s * self.within, self.within * self.k
+        along = np.where(s > 0, self.within * same, 0.0) - 3 * both * self.k
+        K1, K2 = self.K1, self.K2
+        found = np.empty((len(s), 3, s.shape[-1]))
+        found[:, 0] = s * (s * K1 + same) + n1 * n1 * (along + 4 * K1 * both)
+        found[:, 1] = s * (s * K2 + same) + n2 * n2 * (along + 4 * K2 * both)
+        found[:, 2] = n1 * n2 * (along + 2 * (K1 + K2) * both)
+        found *= self.more[:, None]
         return found
 
 
-def stop_receptance(
+def tied_receptance(
     on: MountedLine,
     coupling: ComplexArray,
     *,
@@ -201,16 +269,14 @@ def stop_receptance(
     torque: FloatArray,
     compression: FloatArray,
 ) -> FloatArray:
-    """Return what a stop's forces at the bearings move them, (..., M 2B, M 2B) m/N.
+    """Return `StopReceptance.tied` of lines, (..., 5 2B, 5 2B) m/N.
 
     Of a line in small motion at a speed rad/s under a torque N m, signed, whose order 2
     (`coupling` (..., N, N) of 1 N m, `MountedLine.order2_coupling`) ties orders 0, 2 and 4.
     A compression (...) N of the spline, which slides, takes stiffness off the mean.
-    Components as `StoppedLine.free` has them, by the angle of the turn.
     """
     N = on.mass.shape[-1]
-    across = on.bearing[..., :2, :].reshape(*on.bearing.shape[:-3], -1, N)
-    loss = np.sign(speed)[..., None] * np.repeat(on.loss, 2, axis=-1)
+    across = _across(on)
     S = torque[..., None, None] * coupling / 2
     Sr, Si = S.real, S.imag
     cases, size = np.broadcast_shapes(S.shape[:-2], speed.shape), across.shape[-2]
@@ -224,47 +290,63 @@ def stop_receptance(
     tied[..., 2, :, 3, :], tied[..., 2, :, 4, :] = Si, -Sr
     tied[..., 3, :, 1, :], tied[..., 3, :, 2, :] = -Sr, Si
     tied[..., 4, :, 1, :], tied[..., 4, :, 2, :] = -Si, -Sr
-    rows = np.broadcast_to(across, (*cases, size, N))
-    found = np.zeros((*cases, _COMPONENTS, size, _COMPONENTS, size))
-    for at, order in _PLACES_OF_ORDERS:
+    for at, order in _PLACES_OF_ORDERS[: _TIED_COMPONENTS // 2]:
         D = on.dynamic_stiffness(order * speed, speed, torque)
-        if order <= _LAST_TIED_ORDER:
-            tied[..., at, :, at, :] = tied[..., at + 1, :, at + 1, :] = D.real
-            tied[..., at, :, at + 1, :], tied[..., at + 1, :, at, :] = -D.imag, D.imag
-        else:
-            H = rows @ np.linalg.solve(D, rows.mT.astype(complex))
-            found[..., at, :, at, :] = found[..., at + 1, :, at + 1, :] = H.real
-            found[..., at, :, at + 1, :], found[..., at + 1, :, at, :] = -H.imag, H.imag
+        tied[..., at, :, at, :] = tied[..., at + 1, :, at + 1, :] = D.real
+        tied[..., at, :, at + 1, :], tied[..., at + 1, :, at, :] = -D.imag, D.imag
     each = np.zeros((*cases, 5, N, 5, size))
     for k in range(5):
-        each[..., k, :, k, :] = rows.mT
+        each[..., k, :, k, :] = across.mT
     pushes = each.reshape(*cases, 5 * N, 5 * size)
     moved = pushes.mT @ np.linalg.solve(tied.reshape(*cases, 5 * N, 5 * N), pushes)
-    found[..., :5, :, :5, :] = moved.reshape(*cases, 5, size, 5, size)
-    for at, order in _PLACES_OF_ORDERS:  # of what is lost, order by order: times 1 + i η m/2
-        lost = order / 2 * loss[..., None, None, :]
-        among = slice(0, 5) if order <= _LAST_TIED_ORDER else slice(at, at + 2)
-        real, imaginary = found[..., among, :, at, :].copy(), found[..., among, :, at + 1, :].copy()
-        found[..., among, :, at, :] = real + lost * imaginary
-        found[..., among, :, at + 1, :] = imaginary - lost * real
-    return found.reshape(*cases, _COMPONENTS * size, _COMPONENTS * size)
+    found = moved.reshape(*cases, 5, size, 5, size)
+    for at, order in _PLACES_OF_ORDERS[: _TIED_COMPONENTS // 2]:
+        lost = order / 2 * _loss(on, speed)[..., None, None, :]  # times 1 + i η m/2
+        real, imaginary = found[..., at, :].copy(), found[..., at + 1, :].copy()
+        found[..., at, :] = real + lost * imaginary
+        found[..., at + 1, :] = imaginary - lost * real
+    return found.reshape(*cases, 5 * size, 5 * size)
+
+
+def receptance_alone(on: MountedLine, *, speed: FloatArray, torque: FloatArray) -> FloatArray:
+    """Return `StopReceptance.alone` of the same lines, (..., K, 4 B, 4 B) m/N."""
+    orders = np.array([order for order in STOP_ORDERS if order > _LAST_TIED_ORDER], dtype=float)
+    each, rows = orders.reshape(-1, *(1,) * speed.ndim), _across(on)
+    axes = max(each.ndim, len(on.case_last_matrices.cases))
+    line = on.case_last_matrices.select_cases(slice(None), axes)
+    across = broadcast_cases(matrix_axes_first(rows, of=2), axes, of=2)
+    D = line.dynamic_stiffness(each * speed, speed, torque)
+    H = np.moveaxis(matrix_product(across, solve(D, across.swapaxes(0, 1))), (2, 0, 1), (-3, -2, -1))
+    H = H * (1 + 0.5j * orders[:, None, None] * _loss(on, speed)[..., None, None, :])
+    size = H.shape[-1]
+    found = np.empty((*H.shape[:-2], 2, size, 2, size))
+    found[..., 0, :, 0, :] = found[..., 1, :, 1, :] = H.real
+    found[..., 0, :, 1, :], found[..., 1, :, 0, :] = -H.imag, H.imag
+    return found.reshape(*H.shape[:-2], 2 * size, 2 * size)
+
+
+def _across(on: MountedLine) -> FloatArray:
+    """Return the bearings' motions across the shafts, (..., 2 B, N)."""
+    return on.bearing[..., :2, :].reshape(*on.bearing.shape[:-3], -1, on.mass.shape[-1])
+
+
+def _loss(on: MountedLine, speed: FloatArray) -> FloatArray:
+    """Return the loss factors of each travel, signed as the speed, (..., 2 B)."""
+    return np.sign(speed)[..., None] * np.repeat(on.loss, 2, axis=-1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ForcesAtStop:
-    """Forces on bearings whose rubber meets its stop, (..., B) N.
+    """Forces on bearings whose rubber meets its stop, (P, B) N.
 
     Attributes
     ----------
     static, dynamic
         Size of the mean; largest size of the rest round the half turn.
-    travel : (..., B) m
-        Largest way across the shaft.
     """
 
     static: FloatArray
     dynamic: FloatArray
-    travel: FloatArray
 
 
 def forces_at_stop(
@@ -277,39 +359,61 @@ def forces_at_stop(
     stop: FloatArray,
     ratio: FloatArray,
 ) -> ForcesAtStop:
-    """Return what bearings carry in a motion with stops: of a stop its elastic force.
+    """Return what bearings carry in P motions with stops: of a stop its elastic force.
 
     What it loses is in the motion. A damper's force jumps where a stop is met, rubber's does not.
 
     Parameters
     ----------
-    travel, free : (..., M, 2 B) m
+    travel, free : (P, M, 2 B) m
         With stops, and on linear rubber.
-    linear : (..., M, 3 B) N
+    linear : (P, M, 3 B) N
         Force on linear rubber, across the shaft, then along it, bearing by bearing.
-    stiffness, loss, stop, ratio : (..., B, 2) N/m, (..., B) signed as the speed, (..., B) m, 1
+    stiffness, loss, stop, ratio : (P, B, 2) N/m, (P, B) signed as the speed, (P, B) m, 1
     """
-    size = travel.shape[-1]
-    lead, bearings = travel.shape[:-2], size // 2
-    more = stiffness.reshape(*stiffness.shape[:-2], 1, size) * (travel - free)
+    count, _, size = travel.shape
+    more = stiffness.reshape(count, 1, size) * (travel - free)
     eta = np.repeat(loss, 2, axis=-1)
     for at, _ in _PLACES_OF_ORDERS:
-        real, imaginary = more[..., at, :].copy(), more[..., at + 1, :].copy()
-        more[..., at, :] = real - eta * imaginary
-        more[..., at + 1, :] = imaginary + eta * real
-    rubber = np.broadcast_to(linear, (*lead, *linear.shape[-2:]))
-    rubber = rubber.reshape(*lead, -1, bearings, 3).copy()
-    rubber[..., :2] += more.reshape(*lead, -1, bearings, 2)
-    force = (_FINE_BASIS @ rubber.reshape(*lead, -1, 3 * bearings)).reshape(*lead, -1, bearings, 3)
-    x = _FINE_BASIS @ travel
-    pushed = StopContact.of(x, stiffness=stiffness, stop=stop, ratio=ratio).force
-    x = x.reshape(*lead, -1, bearings, 2)
-    force[..., :2] += pushed.reshape(x.shape)
-    mean = force.mean(axis=-3)
-    force -= mean[..., None, :, :]
-    swing = np.sqrt((force[..., 0] ** 2 + force[..., 1] ** 2 + force[..., 2] ** 2).max(-2))
-    far = np.sqrt((x[..., 0] ** 2 + x[..., 1] ** 2).max(-2))
-    return ForcesAtStop(static=np.linalg.norm(mean, axis=-1), dynamic=swing, travel=far)
+        real, imaginary = more[:, at].copy(), more[:, at + 1].copy()
+        more[:, at] = real - eta * imaginary
+        more[:, at + 1] = imaginary + eta * real
+    rubber = linear.reshape(count, _COMPONENTS, size // 2, 3).copy()
+    rubber[..., :2] += more.reshape(count, _COMPONENTS, size // 2, 2)
+    static, dynamic = np.empty(stop.shape), np.empty(stop.shape)
+    for b in range(size // 2):
+        for start in range(0, count, _BLOCK_MOTIONS):
+            some = slice(start, start + _BLOCK_MOTIONS)
+            force = _round_the_half_turn_finely(rubber[some, :, b])
+            force[:, :2] += StopContact.of(
+                _round_the_half_turn_finely(travel[some, :, 2 * b : 2 * b + 2]),
+                stiffness=stiffness[some, b], stop=stop[some, b], ratio=ratio[some, b],
+            ).force  # fmt: skip
+            mean = force.mean(axis=-1)
+            force -= mean[..., None]
+            static[some, b] = np.linalg.norm(mean, axis=-1)
+            dynamic[some, b] = np.sqrt((force * force).sum(axis=1).max(axis=-1))
+    return ForcesAtStop(static=static, dynamic=dynamic)
+
+
+def largest_travel(travel: FloatArray) -> FloatArray:
+    """Return the largest way across the shaft round the half turn of P motions, (P, B) m.
+
+    `travel` (P, M, 2 B) m are components as `StoppedLine.free` has them.
+    """
+    found = np.empty((len(travel), travel.shape[-1] // 2))
+    for b in range(found.shape[1]):
+        for start in range(0, len(travel), _BLOCK_MOTIONS):
+            some = slice(start, start + _BLOCK_MOTIONS)
+            x = _round_the_half_turn_finely(travel[some, :, 2 * b : 2 * b + 2])
+            found[some, b] = np.sqrt((x[:, 0] ** 2 + x[:, 1] ** 2).max(axis=-1))
+    return found
+
+
+def _round_the_half_turn_finely(of: FloatArray) -> FloatArray:
+    """Return components (P, M, D) at `FINE_SAMPLES` angles of a half turn, (P, D, FINE_SAMPLES)."""
+    found = np.ascontiguousarray(of.mT).reshape(-1, _COMPONENTS) @ _FINE_BASIS
+    return found.reshape(len(of), -1, FINE_SAMPLES)
 
 
 def components(mean: FloatArray, waves: ComplexArray) -> FloatArray:
@@ -324,7 +428,7 @@ def components(mean: FloatArray, waves: ComplexArray) -> FloatArray:
 
 def round_the_half_turn(of: FloatArray) -> FloatArray:
     """Return components (..., M, D) at `SAMPLES` angles of a half turn, (..., SAMPLES, D)."""
-    return _BASIS @ of
+    return _BASIS.T @ of
 
 
 def at_places(values: FloatArray, place: FloatArray, cases: IntArray | None = None) -> FloatArray:
@@ -392,10 +496,16 @@ def followed_motion(line: StoppedLine, *, backwards: BoolArray | bool = False) -
         there[fresh] = place[fresh] + sense[fresh] * h[fresh]
         begins = (stage[fresh] < _FOLLOWED)[:, None, None]
         guess = np.where(begins, begun[fresh], before[fresh] + h[fresh, None, None] * slope[fresh])
-        under_way.begin(fresh, there[fresh], guess, share=_SHARES[stage[fresh]])
+        under_way.begin(
+            fresh,
+            there[fresh],
+            guess,
+            share=_SHARES[stage[fresh]],
+            is_followed=~begins[:, 0, 0] & ~is_lost[fresh],
+        )
         some, found, ok = under_way.advance()
         lost, begins = is_lost[some], stage[some] < _FOLLOWED
-        away = np.abs(found - under_way.guess[some]).max((1, 2)) > under_way.largest_jump[some]
+        away = under_way.strays(some) > _LARGEST_JUMP
         ok &= lost | ~away
         # What is lost and not found on from where it was begins from linear rubber.
         stage[some[begins]] += 1
@@ -445,43 +555,55 @@ class _NewtonSolution:
     ----------
     X, free, guess : (C, M, 2 B) m
         As far as found, on linear rubber, and where it began.
-    moves : (C, M 2B, M 2B) m/N
+    tied, alone
+        Receptances of the cases, as `StopReceptance` has them.
     ratio : (C, B)
     steps : (C,)
-    is_busy, is_linear : (C,)
-        Whether a case is being solved; whether its rubber meets no stop.
-    least, largest_jump : (C,) m
-        Residual at which it ends, and how far from a guess it may be.
+    is_busy, is_linear, is_followed : (C,)
+        Whether a case is being solved; whether its rubber meets no stop; whether X is used only
+        where Newton's method ends near the guess.
+    nearest : (C,) m
+        Least travel to a stop.
     """
 
     line: StoppedLine
     X: FloatArray
     free: FloatArray
     guess: FloatArray
-    moves: FloatArray
+    tied: FloatArray
+    alone: FloatArray
     ratio: FloatArray
     steps: IntArray
     is_busy: BoolArray
     is_linear: BoolArray
-    least: FloatArray
-    largest_jump: FloatArray
+    is_followed: BoolArray
+    nearest: FloatArray
 
     @classmethod
     def of(cls, line: StoppedLine) -> "_NewtonSolution":
         """Return that of no case."""
         cases = line.free.shape[1]
-        nearest = line.stop.min(-1)
         return cls(
             line=line,
             **{name: np.zeros_like(line.free[0]) for name in ("X", "free", "guess")},
-            moves=np.zeros_like(line.receptance[0]), ratio=line.ratio.copy(),
+            **{
+                name: np.zeros((cases, *getattr(line.receptance, name).shape[2:]))
+                for name in ("tied", "alone")
+            },
+            ratio=line.ratio.copy(),
             steps=np.zeros(cases, dtype=int),
-            **{name: np.zeros(cases, dtype=bool) for name in ("is_busy", "is_linear")},
-            least=_RESIDUAL_SHARE * nearest, largest_jump=_LARGEST_JUMP * nearest,
+            **{name: np.zeros(cases, dtype=bool) for name in ("is_busy", "is_linear", "is_followed")},
+            nearest=line.stop.min(-1),
         )  # fmt: skip
 
     def begin(
-        self, some: IntArray, place: FloatArray, guess: FloatArray, *, share: FloatArray
+        self,
+        some: IntArray,
+        place: FloatArray,
+        guess: FloatArray,
+        *,
+        share: FloatArray,
+        is_followed: BoolArray,
     ) -> None:
         """Begin `some` cases at places, with their ratio of stiffness to the power of `share`."""
         if not len(some):
@@ -491,10 +613,10 @@ class _NewtonSolution:
         beyond = _reaches(guess, stop)
         beyond[~beyond] = _reaches(free[~beyond], stop[~beyond])
         self.X[some] = np.where(beyond[:, None, None], guess, free)
-        self.free[some], self.guess[some] = free, guess
+        self.free[some], self.guess[some], self.is_followed[some] = free, guess, is_followed
         self.steps[some], self.is_busy[some], self.is_linear[some] = 0, True, ~beyond
         on = some[beyond]
-        self.moves[on] = at_places(line.receptance, place[beyond], on)
+        self.tied[on], self.alone[on] = line.receptance.at_places(place[beyond], on)
         self.ratio[on] = line.ratio[on] ** share[beyond, None]
 
     def advance(self) -> tuple[IntArray, FloatArray, BoolArray]:
@@ -507,49 +629,162 @@ class _NewtonSolution:
         ended, ok = [linear], [np.ones(len(linear), dtype=bool)]
         enough = (len(some) + 1) // 2
         while len(some) and len(some) >= enough:
-            left, matrix = self._pushed(some)
-            done = np.abs(left).max(-1) <= self.least[some]
-            if done.any():
-                ended.append(some[done])
-                ok.append(np.linalg.slogdet(matrix[done])[0] > 0)
-                some, left, matrix = some[~done], left[~done], matrix[~done]
-            moved = np.linalg.solve(matrix, left[..., None])
-            self.X[some] -= moved.reshape(len(some), *self.X.shape[1:])
-            self.steps[some] += 1
-            failed = self.steps[some] == _ITERATIONS
-            if failed.any():
-                ended.append(some[failed])
-                ok.append(np.zeros(len(ended[-1]), dtype=bool))
-                some = some[~failed]
+            at = _Pushes.of(self, some)
+            left = np.abs(at.left).max(axis=(1, 2)) / self.nearest[some]
+            done = left <= _RESIDUAL_SHARE
+            to_go = _ITERATIONS - self.steps[some]
+            lost = (to_go == 1) | ((to_go == 2) & (left > _HOPELESS_RESIDUAL))
+            lost = self.is_followed[some] & (lost | (self.strays(some) > _LARGEST_STRAY))
+            stable = at.advance(self, done, ~done & ~lost)
+            self.steps[some] += ~done
+            last = lost | (to_go == 1)
+            over = done | last
+            if over.any():
+                ended.append(some[over])
+                ok.append((done & stable)[over])
+                some = some[~over]
         every = np.concatenate(ended)
         self.is_busy[every] = False
         return every, self.X[every], np.concatenate(ok)
 
-    def _pushed(self, some: IntArray) -> tuple[FloatArray, FloatArray]:
-        """Return the residual (C', M 2B) of some cases, and Newton's matrix."""
-        X, moves = self.X[some], self.moves[some]
+    def strays(self, some: IntArray) -> FloatArray:
+        """Return how far X is off its guess in some cases, of the travel to the stop, (C',)."""
+        return np.abs(self.X[some] - self.guess[some]).max(axis=(1, 2)) / self.nearest[some]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Pushes:
+    """What stops do to cases C' of a Newton's method, at P contacts of bearings with their stops.
+
+    Attributes
+    ----------
+    some : (C',)
+    left : (C', M, 2 B) m
+        Residual of X = X₀ - C F(X).
+    met : (C', B)
+        Which bearings meet their stops.
+    first : (C',)
+        Contact of each case's first one, or where it would be.
+    contact
+        What stops do to these, in order.
+    """
+
+    some: IntArray
+    left: FloatArray
+    met: BoolArray
+    first: IntArray
+    contact: StopContact
+
+    @classmethod
+    def of(cls, solution: _NewtonSolution, some: IntArray) -> "_Pushes":
+        """Return those of `some` cases as far as they are."""
+        line, X = solution.line, solution.X[some]
         count, _, size = X.shape
-        unknown, bearings = _COMPONENTS * size, size // 2
-        at = StopContact.of(
-            round_the_half_turn(X), stiffness=self.line.stiffness[some],
-            stop=self.line.stop[some], ratio=self.ratio[some],
-        )  # fmt: skip
-        F = _PROJECTION @ at.force
-        slope = at.slope.reshape(count, SAMPLES, -1)
-        D = (_PAIRS @ slope).reshape(count, _COMPONENTS, _COMPONENTS, 3, bearings)
-        J = np.zeros((count, _COMPONENTS, bearings, 2, _COMPONENTS, bearings, 2))
-        for b in range(bearings):
-            J[:, :, b, 0, :, b, 0], J[:, :, b, 1, :, b, 1] = D[..., 0, b], D[..., 1, b]
-            J[:, :, b, 0, :, b, 1] = J[:, :, b, 1, :, b, 0] = D[..., 2, b]
-        left = (X - self.free[some]).reshape(count, unknown)
-        left += (moves @ F.reshape(count, unknown, 1))[..., 0]
-        matrix = moves @ J.reshape(count, unknown, unknown)
-        matrix += np.eye(unknown)
-        return left, matrix
+        x = np.ascontiguousarray(X.mT).reshape(-1, _COMPONENTS) @ _BASIS
+        x = x.reshape(count, size // 2, 2, SAMPLES)
+        met = (x[:, :, 0] ** 2 + x[:, :, 1] ** 2).max(axis=-1) > line.stop[some] ** 2
+        case, bearing = np.nonzero(met)
+        own = some[case], bearing
+        contact = StopContact.of(
+            x[met], stiffness=line.stiffness[own], stop=line.stop[own], ratio=solution.ratio[own]
+        )
+        push = np.zeros((*met.shape, 2, _COMPONENTS))
+        push[met] = (contact.force.reshape(-1, SAMPLES) @ _PROJECTION).reshape(-1, 2, _COMPONENTS)
+        force = push.transpose(0, 3, 1, 2).reshape(count, -1, 1)
+        left = X - solution.free[some]
+        left += _moved_by(solution.tied[some], solution.alone[some], force).reshape(X.shape)
+        first = np.searchsorted(case, np.arange(count))
+        return cls(some=some, left=left, met=met, first=first, contact=contact)
+
+    def advance(
+        self, solution: _NewtonSolution, done: BoolArray, goes_on: BoolArray
+    ) -> BoolArray:
+        """Take a step in cases that go on; return whether those that are `done` are stable, (C',).
+
+        Cases whose stops are met at the same bearings are solved at once, these bearings alone:
+        the others follow.
+        """
+        stable = np.ones(len(done), dtype=bool)
+        asked = np.flatnonzero(done | goes_on)
+        codes = self.met[asked] @ (1 << np.arange(self.met.shape[1]))
+        slopes = (self.contact.slope.reshape(-1, SAMPLES) @ _PAIRS).reshape(-1, 3 * _PAIRS.shape[1])
+        for code in set(codes.tolist()):
+            alike = asked[codes == code]
+            if not code:
+                alike = alike[goes_on[alike]]
+                solution.X[self.some[alike]] -= self.left[alike]
+                continue
+            at_once = max(1, _BLOCK_MATRICES // int(self.met[alike[0]].sum()) ** 2)
+            for start in range(0, len(alike), at_once):
+                rows = alike[start : start + at_once]
+                rows = np.concatenate([rows[~goes_on[rows]], rows[goes_on[rows]]])
+                ended = len(rows) - int(goes_on[rows].sum())
+                stable[rows[:ended]] = self._solve(solution, slopes, rows, ended)
+        return stable
+
+    def _solve(
+        self, solution: _NewtonSolution, slopes: FloatArray, rows: IntArray, ended: int
+    ) -> BoolArray:
+        """Take a step in cases that meet the same stops, but those that ended, which come first.
+
+        Return whether these are stable. `slopes` are those of contacts by pairs of components.
+        """
+        met, some, left = np.flatnonzero(self.met[rows[0]]), self.some[rows], self.left[rows]
+        tied, alone = solution.tied[some], solution.alone[some]
+        contacts = self.first[rows, None] + np.arange(len(met))
+        J = _by_components(slopes[contacts])
+        every, own = len(met) == self.met.shape[1], np.ravel(2 * met[:, None] + [0, 1])
+        moves = (tied, alone) if every else (_part(tied, own, 5), _part(alone, own, 2))
+        matrix = _moved_by(*moves, J)
+        matrix.reshape(len(rows), -1)[:, :: matrix.shape[-1] + 1] += 1
+        stable = np.linalg.slogdet(matrix[:ended])[0] > 0 if ended else np.ones(0, dtype=bool)
+        if ended == len(rows):
+            return stable
+        step, going = left[ended:], len(rows) - ended
+        moved = np.linalg.solve(matrix[ended:], step[..., own].reshape(going, -1, 1))
+        if every:
+            step = moved.reshape(step.shape)
+        else:
+            push = np.zeros_like(step)
+            push[..., own] = (J[ended:] @ moved).reshape(going, _COMPONENTS, -1)
+            back = _moved_by(tied[ended:], alone[ended:], push.reshape(going, -1, 1))
+            step = step - back.reshape(step.shape)
+        solution.X[some[ended:]] -= step
+        return stable
+
+
+def _by_components(slopes: FloatArray) -> FloatArray:
+    """Return slopes (C', B', 3 K) by pairs of components as matrices, (C', M 2B', M 2B')."""
+    count, bearings = slopes.shape[:2]
+    each = np.take(slopes, _PLACES_OF_PAIRS.ravel(), axis=2)
+    each = each.reshape(count, bearings, *_PLACES_OF_PAIRS.shape)
+    if bearings == 1:
+        return each.reshape(count, 2 * _COMPONENTS, -1)
+    found = np.zeros((count, _COMPONENTS, bearings, 2, _COMPONENTS, bearings, 2))
+    for b in range(bearings):
+        found[:, :, b, :, :, b, :] = each[:, b]
+    return found.reshape(count, _COMPONENTS * 2 * bearings, -1)
+
+
+def _part(receptance: FloatArray, own: IntArray, parts: int) -> FloatArray:
+    """Return the receptance (..., `parts` D, `parts` D) of some of D travels and forces."""
+    size = receptance.shape[-1] // parts
+    which = np.ravel(size * np.arange(parts)[:, None] + own)
+    return receptance[..., which[:, None], which]
+
+
+def _moved_by(tied: FloatArray, alone: FloatArray, forces: FloatArray) -> FloatArray:
+    """Return what receptances as `StopReceptance` has them make of forces (C', M D, R)."""
+    first = tied.shape[-1]
+    found = np.empty_like(forces)
+    found[:, :first] = tied @ forces[:, :first]
+    rest = forces[:, first:].reshape(*alone.shape[:-1], -1)
+    found[:, first:] = (alone @ rest).reshape(len(forces), -1, forces.shape[-1])
+    return found
 
 
 def _reaches(travel: FloatArray, stop: FloatArray) -> BoolArray:
     """Return whether a motion (C, M, 2 B) reaches a stop (C, B), in its largest sum at least."""
-    x = round_the_half_turn(travel)
-    far = (x[..., 0::2] ** 2 + x[..., 1::2] ** 2).max(-2, initial=0.0)
-    return (far > stop**2).any(-1)
+    x = np.ascontiguousarray(travel.mT).reshape(-1, _COMPONENTS) @ _BASIS
+    x = x.reshape(*stop.shape, 2, SAMPLES)
+    return ((x[:, :, 0] ** 2 + x[:, :, 1] ** 2).max(axis=-1) > stop**2).any(axis=-1)
