@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cardan.checks.line_on_mounts import LineOnMounts
-from cardan.checks.operating_envelope import PointRows, curves_by_direction, strongest_curves
+from cardan.checks.stuck_spline_estimate import rows_at_speeds, speed_range
 from cardan.core.arrays import BoolArray, FloatArray
 from cardan.core.lazy_dataclass import dataclass
 from cardan.physics.loads.centre_bearing import bearing_forces, loads_of_turning_line
@@ -43,9 +43,6 @@ LEAST_CAUGHT_SHARE = 0.02
 SPEED_COUNT = 48
 """Speeds at which a line is evaluated: the crest of a mode with loss 0.1 is met to 3 %."""
 
-SPEED_REACH = (0.6, 1.3)
-"""Times the speeds at which order 2 meets the slowest mode and the fastest one: their range."""
-
 LEAST_TORQUE_SHARE = 0.25
 """Of the largest torque either way: with less, order 2 is not evaluated."""
 
@@ -72,22 +69,24 @@ class StuckForces:
     peak_parts: dict[str, FloatArray]
 
 
-def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
+def stuck_forces(
+    mounts: LineOnMounts, stop: FloatArray, *, states: BoolArray
+) -> StuckForces | None:
     """Return what bearings carry while the spline is held; None of a line without such points.
 
-    Of one design, on linear rubber. A spline is caught where the line's mean shape stays within
-    the travel to the `stop` (n-2,) m.
+    Of one design, on linear rubber, in some `states` (S,): nan in others. A spline is caught where
+    the line's mean shape stays within the travel to the `stop` (n-2,) m.
     """
     inputs, held, thrust = mounts.inputs, mounts.reduced_mounted_line, mounts.stroke_thrust
-    if held is None or thrust is None or not mounts.torque_curves.gears:
+    if held is None or thrust is None or not states.any():
         return None
-    curve, speed = _rows(mounts, held)
+    low, high = speed_range(mounts, held)
+    speeds = low * (high / low) ** np.linspace(0, 1, SPEED_COUNT)[:, None]
+    curve, speed = rows_at_speeds(mounts, speeds)
     asked = demand_at_operating_points(
         inputs.demand, mounts.torque_curves, curve=curve, speed=speed
     )
     slip = np.nan_to_num(inputs.spline_force_at(asked.torque))
-    if slip.ndim > 2:  # of many designs
-        return None
     line = _LineAtPoints.of(mounts, held, asked)
     ahead = (line.torque >= 0)[None]
     pushed, drawn = np.where(ahead, *thrust.own_compression[:, :, None])
@@ -96,7 +95,7 @@ def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
     rest = line.at_rest.coordinates(caught)
     size = np.abs(line.torque)
     counts = (size >= LEAST_TORQUE_SHARE * size.max(axis=0)) & (slip > 0)
-    counts = counts & np.isfinite(asked.torque) & (np.abs(caught) < slip)
+    counts = states & counts & np.isfinite(asked.torque) & (np.abs(caught) < slip)
     counts &= line.at_rest.is_stable & (caught < line.at_rest.critical)
     counts &= (share == 0) | (np.abs(caught) > LEAST_CAUGHT_SHARE * slip)
     counts &= (np.linalg.norm(line.travel(rest), axis=-1) <= stop).all(-1)
@@ -135,23 +134,6 @@ def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
         if kind == "peak":
             parts = {k: at(sizes[k], here) for k in ("static", "dynamic")}
     return StuckForces(forces=forces, points=points, travel_share=shares, peak_parts=parts)
-
-
-def _rows(mounts: LineOnMounts, held: MountedLine) -> PointRows:
-    """Return points (P, S): speeds about those at which order 2 meets a mode, each way.
-
-    A rigid bearing's modes are far above what a line turns at.
-    """
-    curves = mounts.torque_curves
-    modes = held.natural_frequencies() / 2
-    modes = np.broadcast_to(modes, (curves.max_speed.shape[-1], modes.shape[-1]))
-    fastest = np.nan_to_num(curves.max_speed).max(axis=0)
-    high = np.minimum(SPEED_REACH[1] * modes.max(-1), np.maximum(fastest, 1e-3))
-    low = np.clip(SPEED_REACH[0] * modes.min(-1), high / 10, high)
-    speeds = low * (high / low) ** np.linspace(0, 1, SPEED_COUNT)[:, None]
-    ways = curves_by_direction(curves)
-    curve = np.concatenate([strongest_curves(curves, of, speeds)[0] for of in ways])
-    return curve, np.concatenate([speeds] * len(ways))
 
 
 def _waves(values: Any) -> list[Any]:
