@@ -20,7 +20,6 @@ from cardan.checks.rubber_at_stop import StopResponse, stop_response
 from cardan.checks.stuck_spline import STUCK_FORCE_KINDS, StuckForces, stuck_forces
 from cardan.checks.stuck_spline_estimate import (
     BATCH_SAFETY_FACTOR,
-    STATE_SAFETY_FACTOR,
     stuck_force_estimate,
 )
 from cardan.core.arrays import BoolArray, FloatArray, stack_on_last_axis
@@ -272,16 +271,15 @@ class MountLoads:
     def stuck_forces(self) -> StuckForces | None:
         """What bearings carry while friction holds the spline; None where it is not evaluated.
 
-        Of one design, in states in which `stuck_force_estimate` leaves open whether they count.
-        Of many it is too dear: `unproved_margin` is what the estimate leaves open there.
+        Of one design. Of many it is too dear: `unproved_margin` is what their estimate leaves open.
         """
-        if self._is_of_many or not (least := self.stuck_force_estimate):
+        if self._is_of_many or not self.worst_bearing_forces:
             return None
-        may_count = np.any(
-            [STATE_SAFETY_FACTOR * least[k] > self._sliding_force_at_stop(k) for k in least],
-            axis=(0, -1),
+        return stuck_forces(
+            self.mounts,
+            self.rubber_stop_travel.reshape(-1),
+            sliding={k: self._sliding_force_at_stop(k) for k in STUCK_FORCE_KINDS},
         )
-        return stuck_forces(self.mounts, self.rubber_stop_travel.reshape(-1), states=may_count)
 
     @cached_property
     def stuck_force_estimate(self) -> dict[str, FloatArray]:

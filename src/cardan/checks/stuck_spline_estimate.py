@@ -24,9 +24,6 @@ BATCH_SAFETY_FACTOR = 1.5
 Of 200 random lines the largest such force was 1.33 times the estimate.
 """
 
-STATE_SAFETY_FACTOR = 2.0
-"""The same for a force that exceeds the sliding one of its own state: 1.67 times at most."""
-
 SPEED_REACH = (0.6, 1.3)
 """Times the speeds at which order 2 meets the slowest mode and the fastest one: their range."""
 
