@@ -82,7 +82,8 @@ class EvaluatedLimit:
     says at which, and `own_point_values` are those at the state's own torque and speed. One that is
     required of kinds of state that are not there applies to the first, and is not evaluated. Where
     `validity_margin` (..., states, parts) is negative values are lower bounds; elsewhere it is
-    infinite.
+    infinite. So they are where `unproved_margin` is, which only many designs at once have: values
+    with the spline stuck are not solved there.
     """
 
     limit: Limit
@@ -93,15 +94,21 @@ class EvaluatedLimit:
     own_point_values: FloatArray
     lacks_rating: BoolArray
     validity_margin: FloatArray
+    unproved_margin: FloatArray
     worst_points: LineOperatingPoints | None = None
+
+    @property
+    def bound_margin(self) -> FloatArray:
+        """The smaller of both margins: negative where values are lower bounds."""
+        return np.minimum(self.validity_margin, self.unproved_margin)
 
     def grades_and_margins(self) -> tuple[IntArray, FloatArray]:
         """Return `grades` and margins of its values, as their checks have them."""
-        return self.limit.grades_and_margins(self.values, validity_margin=self.validity_margin)
+        return self.limit.grades_and_margins(self.values, validity_margin=self.bound_margin)
 
     def grades(self) -> IntArray:
         """Return the places in `CHECK_GRADES` of its values, (..., states, parts)."""
-        return self.limit.grades(self.values, validity_margin=self.validity_margin)
+        return self.limit.grades(self.values, validity_margin=self.bound_margin)
 
 
 def evaluate_limits(
@@ -157,6 +164,7 @@ def evaluate_limits(
                 may = may & given.any(axis=tuple(range(given.ndim - 2)))
             answerable = asks & there & ~lacks_rating
             answers, at_own = (np.where(answerable, v, np.nan) for v in (values, known))
+            beyond = np.where(np.isnan(answers), np.inf, validity_margin)
             yield EvaluatedLimit(
                 limit=limit,
                 parts=parts,
@@ -165,9 +173,8 @@ def evaluate_limits(
                 values=answers,
                 own_point_values=at_own,
                 lacks_rating=lacks_rating,
-                validity_margin=np.broadcast_to(
-                    np.where(np.isnan(answers), np.inf, validity_margin), answers.shape
-                ),
+                validity_margin=np.broadcast_to(beyond, answers.shape),
+                unproved_margin=_unproved_margin(limit, quantity, response, answers, beyond),
                 worst_points=spots,
             )
 
@@ -224,6 +231,36 @@ def _known_with_lower_bounds(
     least = _known(quantity, response, lower_bounds=True)
     is_only_bound = beyond & np.isnan(known) & ~np.isnan(least)
     return np.where(beyond, least, known), np.where(beyond, margin, np.inf), is_only_bound
+
+
+def _unproved_margin(
+    limit: Limit,
+    quantity: Quantity,
+    response: LineResponse,
+    values: FloatArray,
+    validity_margin: FloatArray,
+) -> FloatArray:
+    """Return `EvaluatedLimit.unproved_margin` of a limit on values (..., states, parts).
+
+    A design that fails anyway, or whose values are lower bounds, needs no proof; nor does what
+    cannot exceed the limit, or the largest of the values.
+    """
+    none = np.full((1,) * values.ndim, np.inf)
+    bounds = [b for b in (limit.normal, limit.maximum) if b is not None]
+    if quantity.unproved_margin is None or not bounds:
+        return none
+    decided = validity_margin < -MARGIN_TOLERANCE
+    if limit.maximum is not None:
+        decided = decided | (limit.margin(values, to="maximum") < -MARGIN_TOLERANCE)
+    known = ~np.isnan(values)
+    needed = known & ~decided.any(axis=(-2, -1), keepdims=True)
+    if not needed.any():
+        return none
+    largest = np.where(known, values, 0.0).max(axis=(-2, -1), keepdims=True)
+    margin = quantity.unproved_margin(response, np.maximum(largest, min(bounds)))
+    if margin is None:
+        return none
+    return np.where(needed & (margin < -MARGIN_TOLERANCE), margin, np.inf)
 
 
 def _known(quantity: Quantity, response: LineResponse, *, lower_bounds: bool = False) -> FloatArray:
@@ -287,7 +324,7 @@ def check_limit_at_part(
         part=question.parts[part],
         value=float(value),
         limit=question.limit,
-        validity_margin=float(question.validity_margin[state, part]),
+        validity_margin=float(question.bound_margin[state, part]),
         point=question.worst_points.operating_point((state, part))
         if question.worst_points
         else None,

@@ -18,6 +18,10 @@ from cardan.checks.operating_point_results import OperatingPointResults
 from cardan.checks.rigid_line_loads import RigidLineLoads
 from cardan.checks.rubber_at_stop import StopResponse, stop_response
 from cardan.checks.stuck_spline import STUCK_FORCE_KINDS, StuckForces, stuck_forces
+from cardan.checks.stuck_spline_estimate import (
+    BATCH_SAFETY_FACTOR,
+    stuck_force_estimate,
+)
 from cardan.core.arrays import BoolArray, FloatArray, stack_on_last_axis
 from cardan.core.labels import OrderCrossing
 from cardan.core.lazy_dataclass import dataclass
@@ -271,15 +275,49 @@ class MountLoads:
     def stuck_forces(self) -> StuckForces | None:
         """What bearings carry while friction holds the spline; None where it is not evaluated.
 
-        Of one design. Of many it is too dear: their forces are those of a spline that slides.
+        Of one design. Of many it is too dear: `unproved_margin` is what their estimate leaves open.
         """
-        stop, thrust = self.rubber_stop_travel, self.mounts.stroke_thrust
-        if thrust is None or thrust.own_compression.ndim > 3 or stop.size > stop.shape[-1]:
+        if self._is_of_many or not self.worst_bearing_forces:
             return None
-        many = self.mounts.torque_curves.max_speed.ndim > 2
-        if many or self.mounts.inputs.layout.points.ndim > 3 or not self.worst_bearing_forces:
+        return stuck_forces(
+            self.mounts,
+            self.rubber_stop_travel.reshape(-1),
+            sliding={k: self._sliding_force_at_stop(k) for k in STUCK_FORCE_KINDS},
+        )
+
+    @cached_property
+    def stuck_force_estimate(self) -> dict[str, FloatArray]:
+        """What bearings nearly carry with the spline stuck, (..., S, n-2) N by kind, or nothing.
+
+        0 where friction holds nothing.
+        """
+        return stuck_force_estimate(self.mounts) if self.worst_bearing_forces else {}
+
+    @property
+    def _is_of_many(self) -> bool:
+        """Whether designs have an axis, of one design too: then no stuck spline is solved."""
+        of, thrust = self.mounts, self.mounts.stroke_thrust
+        return (
+            self.rubber_stop_travel.ndim > 1
+            or of.torque_curves.max_speed.ndim > 2
+            or of.inputs.layout.points.ndim > 3
+            or (thrust is not None and thrust.own_compression.ndim > 3)
+        )
+
+    def unproved_margin(self, name: str, threshold: FloatArray) -> FloatArray | None:
+        """Return the share of a force that no stuck spline exceeds for certain, (..., S, n-2) 1.
+
+        Negative where the spline that sticks may put more than `threshold` (..., 1, 1) N on a
+        bearing, or take its rubber to a stop. None where forces with it are solved, or are none.
+        """
+        if not self._is_of_many or not (estimate := self.stuck_force_estimate):
             return None
-        return stuck_forces(self.mounts, stop.reshape(-1))
+        of = BATCH_SAFETY_FACTOR * estimate[name]
+        margin = 1 - of / threshold
+        peak = BATCH_SAFETY_FACTOR * estimate["peak"]
+        at_stop = 1 - peak / np.maximum(self.least_force_at_stop, 1.0)
+        counts = of > (1 + LEAST_STUCK_EXCESS) * self.bearing_force(name)
+        return np.where(counts, np.minimum(margin, at_stop), np.maximum(margin, 0.0))
 
     def is_stuck(self, name: str) -> BoolArray:
         """Return where one of `FORCE_KINDS` is largest with the spline stuck, (S, n-2)."""

@@ -6,12 +6,14 @@ that the stroke reaches. A motion counts only where its thrust stays below the s
 the turn: friction that holds for a part of it leaves a line between both.
 """
 
+from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from cardan.checks.line_on_mounts import LineOnMounts
-from cardan.checks.operating_envelope import PointRows, curves_by_direction, strongest_curves
+from cardan.checks.stuck_spline_estimate import rows_at_speeds, speed_range
 from cardan.core.arrays import BoolArray, FloatArray
 from cardan.core.lazy_dataclass import dataclass
 from cardan.physics.loads.centre_bearing import bearing_forces, loads_of_turning_line
@@ -27,6 +29,7 @@ from cardan.physics.loads.stuck_spline import (
     followed_stuck_motion,
     stiffness_of_orders,
 )
+from cardan.physics.loads.stuck_spline_estimate import held_line_wave
 from cardan.physics.vehicle.operating_points import (
     LineOperatingPoints,
     demand_at_operating_points,
@@ -40,11 +43,14 @@ CAUGHT_SHARES = (-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75)
 LEAST_CAUGHT_SHARE = 0.02
 """Of the slip force: a spline caught at less is as one caught without compression."""
 
+LINEAR_SAFETY_FACTOR = 2.0
+"""Times the force of a linear line of fixed length that motions must have to be solved."""
+
+SPEEDS_BESIDE = 6
+"""Speeds next to those at which a motion may count, at which it is solved as well."""
+
 SPEED_COUNT = 48
 """Speeds at which a line is evaluated: the crest of a mode with loss 0.1 is met to 3 %."""
-
-SPEED_REACH = (0.6, 1.3)
-"""Times the speeds at which order 2 meets the slowest mode and the fastest one: their range."""
 
 LEAST_TORQUE_SHARE = 0.25
 """Of the largest torque either way: with less, order 2 is not evaluated."""
@@ -72,22 +78,25 @@ class StuckForces:
     peak_parts: dict[str, FloatArray]
 
 
-def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
+def stuck_forces(
+    mounts: LineOnMounts, stop: FloatArray, *, sliding: Mapping[str, FloatArray]
+) -> StuckForces | None:
     """Return what bearings carry while the spline is held; None of a line without such points.
 
     Of one design, on linear rubber. A spline is caught where the line's mean shape stays within
-    the travel to the `stop` (n-2,) m.
+    the travel to the `stop` (n-2,) m. Motions are solved where a linear line of fixed length may
+    exceed the forces of the `sliding` spline, (S, n-2) N by kind; nan in states without one.
     """
     inputs, held, thrust = mounts.inputs, mounts.reduced_mounted_line, mounts.stroke_thrust
     if held is None or thrust is None or not mounts.torque_curves.gears:
         return None
-    curve, speed = _rows(mounts, held)
+    low, high = speed_range(mounts, held)
+    speeds = low * (high / low) ** np.linspace(0, 1, SPEED_COUNT)[:, None]
+    curve, speed = rows_at_speeds(mounts, speeds)
     asked = demand_at_operating_points(
         inputs.demand, mounts.torque_curves, curve=curve, speed=speed
     )
     slip = np.nan_to_num(inputs.spline_force_at(asked.torque))
-    if slip.ndim > 2:  # of many designs
-        return None
     line = _LineAtPoints.of(mounts, held, asked)
     ahead = (line.torque >= 0)[None]
     pushed, drawn = np.where(ahead, *thrust.own_compression[:, :, None])
@@ -102,7 +111,11 @@ def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
     counts &= (np.linalg.norm(line.travel(rest), axis=-1) <= stop).all(-1)
     if not counts.any():
         return None
-    motion = line.stuck_motion(caught, rest, counts)
+    linear = line.forces(line.linear_motion(caught, rest))
+    may_count = np.any(
+        [LINEAR_SAFETY_FACTOR * linear[k] > sliding[k] for k in STUCK_FORCE_KINDS], axis=(0, -1)
+    )
+    motion = line.stuck_motion(caught, rest, counts & may_count)
     holds = counts & motion.is_found & (motion.largest_thrust <= slip)
     if not holds.any():
         return None
@@ -135,23 +148,6 @@ def stuck_forces(mounts: LineOnMounts, stop: FloatArray) -> StuckForces | None:
         if kind == "peak":
             parts = {k: at(sizes[k], here) for k in ("static", "dynamic")}
     return StuckForces(forces=forces, points=points, travel_share=shares, peak_parts=parts)
-
-
-def _rows(mounts: LineOnMounts, held: MountedLine) -> PointRows:
-    """Return points (P, S): speeds about those at which order 2 meets a mode, each way.
-
-    A rigid bearing's modes are far above what a line turns at.
-    """
-    curves = mounts.torque_curves
-    modes = held.natural_frequencies() / 2
-    modes = np.broadcast_to(modes, (curves.max_speed.shape[-1], modes.shape[-1]))
-    fastest = np.nan_to_num(curves.max_speed).max(axis=0)
-    high = np.minimum(SPEED_REACH[1] * modes.max(-1), np.maximum(fastest, 1e-3))
-    low = np.clip(SPEED_REACH[0] * modes.min(-1), high / 10, high)
-    speeds = low * (high / low) ** np.linspace(0, 1, SPEED_COUNT)[:, None]
-    ways = curves_by_direction(curves)
-    curve = np.concatenate([strongest_curves(curves, of, speeds)[0] for of in ways])
-    return curve, np.concatenate([speeds] * len(ways))
 
 
 def _waves(values: Any) -> list[Any]:
@@ -233,9 +229,44 @@ class _LineAtPoints:
             by_compression=loads.by_compression,
         )
 
+    @cached_property
+    def free(self) -> FloatArray:
+        """How it moves while the spline slides, (P, S, M, N) m."""
+        flat = COMPONENT_COUNT * self.push.shape[-1]
+        return np.linalg.solve(
+            self.linear.reshape(*self.speed.shape, flat, flat),
+            self.push.reshape(*self.speed.shape, flat, 1),
+        ).reshape(self.push.shape)
+
     def travel(self, coordinates: Any) -> Any:
         """Return how far coordinates (..., P, S, N) take the bearings across, (..., n-2, 2) m."""
         return (self.held.bearing[..., :2, :] @ coordinates[..., None, :, None])[..., 0]
+
+    def linear_motion(self, caught: FloatArray, rest: FloatArray) -> StuckMotion:
+        """Return motions (V, P, S, ...) by the length's slope at rest, other orders as sliding."""
+        slope = self.spline + (self.held.geometric @ rest[..., None])[..., 0]
+        tie = self.linear[..., 1, :, 0, :] + 1j * self.linear[..., 2, :, 0, :]
+        (push, *_) = _waves(self.push)
+        wave = held_line_wave(
+            self.held,
+            push - (tie @ rest[..., None])[..., 0],
+            slope,
+            order=2,
+            speed=self.speed,
+            torque=self.torque,
+            compression=caught,
+        )
+        q = np.array(np.broadcast_to(self.free, (*caught.shape, *self.free.shape[-2:])))
+        P = np.zeros(q.shape[:-1])
+        q[..., 0, :], P[..., 0] = rest, caught
+        q[..., 1, :], q[..., 2, :] = wave.coordinates.real, wave.coordinates.imag
+        P[..., 1], P[..., 2] = wave.compression.real, wave.compression.imag
+        return StuckMotion(
+            coordinates=q,
+            compression=P,
+            largest_thrust=np.abs(wave.compression),
+            is_found=np.ones(caught.shape, dtype=bool),
+        )
 
     def stuck_motion(self, caught: FloatArray, rest: FloatArray, counts: BoolArray) -> StuckMotion:
         """Return motions (V, P, S, ...) of a spline caught at compressions (V, P, S) N.
@@ -251,7 +282,10 @@ class _LineAtPoints:
             wide = np.broadcast_to(values, (V, P, S, *tail)).reshape(V, -1, Q, S, *tail)
             return np.moveaxis(wide, 2, 0)
 
-        place = np.nonzero(along(counts, 0).any(axis=0))
+        needed = along(counts, 0)
+        for _ in range(SPEEDS_BESIDE):
+            needed = needed | np.roll(needed, 1, axis=0) | np.roll(needed, -1, axis=0)
+        place = np.nonzero(needed.any(axis=0))
 
         def some(values: Any, own: int) -> Any:
             return np.ascontiguousarray(along(values, own)[:, *place])
@@ -264,7 +298,8 @@ class _LineAtPoints:
                 geometric=np.broadcast_to(self.held.geometric, (S, N, N))[place[-1]],
                 rest=some(rest, 1),
                 compression=some(caught, 0),
-            )
+            ),
+            needed[:, *place],
         )
 
         def back(values: Any) -> Any:
@@ -281,12 +316,7 @@ class _LineAtPoints:
 
     def forces(self, motion: StuckMotion) -> dict[str, FloatArray]:
         """Return sizes of the forces on the bearings, (V, P, S, n-2) N, by kind."""
-        held, N = self.held, self.push.shape[-1]
-        flat = COMPONENT_COUNT * N
-        free = np.linalg.solve(
-            self.linear.reshape(*self.speed.shape, flat, flat),
-            self.push.reshape(*self.speed.shape, flat, 1),
-        ).reshape(self.push.shape)
+        held, free = self.held, self.free
         more, P = motion.coordinates - free, motion.compression[..., None, None]
         backwards = (self.speed < 0)[..., None, None]
         dynamic = np.zeros(())

@@ -224,6 +224,9 @@ class Quantity:
     its `lower_bound` against them, and warn at least."""
     lower_bound: QuantityFunction | None = None
     """What it is at least beyond that range."""
+    unproved_margin: Callable[[LineResponse, FloatArray], FloatArray | None] | None = None
+    """Of many designs: the share that is certainly free of a threshold (..., 1, 1), as
+    `validity_margin`; None where its values are solved."""
     find_worst_points: Callable[[LineResponse], LineOperatingPoints | None] | None = None
     """At which operating points its values stand, where it is sought over those."""
     has_resonance: bool = False

@@ -32,9 +32,12 @@ COMPONENT_COUNT = 1 + 2 * HARMONIC_COUNT
 SAMPLES = 8 * HARMONIC_COUNT
 """Of the half turn, at which thrust and length are evaluated."""
 
-_ITERATIONS = 20
+_ITERATIONS = 16
 _LEAST_CHANGE_M = 1e-6
 """m, of any coordinate: Newton's method ends below it."""
+
+_DIVERGED_M = 0.1
+"""m, of any coordinate: Newton's method is given up above it, halfway to the most iterations."""
 
 
 def _basis() -> FloatArray:
@@ -126,33 +129,39 @@ def stiffness_of_orders(
     return found
 
 
-def followed_stuck_motion(line: StuckLine) -> StuckMotion:
+def followed_stuck_motion(line: StuckLine, needed: BoolArray | None = None) -> StuckMotion:
     """Return how lines move whose spline is held, (Q, C), followed up the speeds.
 
-    A tension stiffens the line, so the branch of the larger motion is met from below.
+    A tension stiffens the line, so the branch of the larger motion is met from below. Where
+    `needed` (Q, C) is False nothing is solved, and nothing is found.
     """
     unit = np.trace(line.linear[0, :, 0, :, 0], axis1=-2, axis2=-1) / line.push.shape[-1]
     unit = np.abs(unit)
-    start = _at_rest(line, 0, unit)
-    motions: list[FloatArray] = []
-    are_found: list[BoolArray] = []
-    for k in range(len(line.push)):
+    Q, C, M, N = line.push.shape
+    X = np.zeros((Q, C, M, N + 1))
+    is_found = np.zeros((Q, C), dtype=bool)
+    for k in range(Q):
         rest = _at_rest(line, k, unit)
-        found, ok = _solved(line, k, start, unit)
-        if not ok.all():  # the motion before has come to its end
-            again, fine = _solved(line, k, rest, unit)
-            found = np.where((~ok & fine)[:, None, None], again, found)
-            ok = ok | fine
-        motions.append(found)
-        are_found.append(ok)
-        start = np.where(ok[:, None, None], found, rest)
-    X = np.stack(motions)
+        before, last = is_found[k - 2] & (k > 1), is_found[k - 1] & (k > 0)
+        both = (before & last)[:, None, None]
+        start = np.where(last[:, None, None], X[k - 1], rest)
+        ahead = np.where(both, 2 * X[k - 1] - X[k - 2], start)
+        tried = [ahead, start, rest]
+        some = np.arange(C) if needed is None else np.flatnonzero(needed[k])
+        for attempt, guess in enumerate(tried):
+            if attempt:  # what went before has come to its end
+                differs = (guess[some] != tried[attempt - 1][some]).any((1, 2))
+                some = some[differs]
+            if not len(some):
+                continue
+            X[k, some], is_found[k, some] = _solved(line, k, guess[some], unit, some)
+            some = some[~is_found[k, some]]
     P = X[..., -1] * unit[:, None]
     return StuckMotion(
         coordinates=X[..., :-1],
         compression=P,
         largest_thrust=np.abs(P @ _BASIS.T).max(-1),
-        is_found=np.stack(are_found),
+        is_found=is_found,
     )
 
 
@@ -164,19 +173,24 @@ def _at_rest(line: StuckLine, k: int, unit: FloatArray) -> FloatArray:
 
 
 def _solved(
-    line: StuckLine, k: int, start: FloatArray, unit: FloatArray
+    line: StuckLine, k: int, start: FloatArray, unit: FloatArray, cases: IntArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Return components (C, M, N + 1) at speed k by Newton's method, and whether they are found."""
+    """Return components (c, M, N + 1) of `cases` (c,) at speed k by Newton's method.
+
+    And whether they are found.
+    """
     X, ok = start.copy(), np.zeros(len(start), dtype=bool)
     some = np.arange(len(start))
-    for _ in range(_ITERATIONS):
+    for iteration in range(_ITERATIONS):
+        own = cases[some]
         with np.errstate(over="ignore", invalid="ignore"):  # where it diverges
-            step = _newton_step(line, k, X[some], some, unit[some])
+            step = _newton_step(line, k, X[some], own, unit[own])
         step = np.nan_to_num(step, nan=1.0, posinf=1.0, neginf=1.0)
         X[some] -= step
-        done = np.abs(step).max((1, 2)) < _LEAST_CHANGE_M
-        ok[some[done]] = True
-        some = some[~done]
+        change = np.abs(step).max((1, 2))
+        ok[some[change < _LEAST_CHANGE_M]] = True
+        diverges = (change > _DIVERGED_M) & (iteration >= _ITERATIONS // 2)
+        some = some[(change >= _LEAST_CHANGE_M) & ~diverges]
         if not len(some):
             break
     return X, ok

@@ -86,6 +86,10 @@ class LimitColumn:
     missed: BoolArray
 
 
+LIMIT_ARRAYS = ("values", "margins", "left", "grades", "missed", "bounded", "unproved")
+"""Fields of `LimitResults` that have limits and variants, (L, V)."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class LimitResults:
     """What L limits come to in V variants, each where it is worst.
@@ -98,7 +102,10 @@ class LimitResults:
     grades : (L, V)
     missed : (L, V)
     bounded : (L, V)
-        Whether the worst value is a lower bound: rubber is at its stop in some state.
+        Whether the worst value is a lower bound: rubber is at its stop in some state, or a spline
+        may stick there that is not solved.
+    unproved : (L, V)
+        Whether it may be exceeded with the spline stuck.
     mass : (V,) kg
         Of all shafts; nan where one has no tube.
     infeasible : (V,)
@@ -115,6 +122,7 @@ class LimitResults:
     grades: IntArray
     missed: BoolArray
     bounded: BoolArray
+    unproved: BoolArray
     mass: FloatArray
     infeasible: BoolArray
     stopped: BoolArray
@@ -138,6 +146,7 @@ class LimitResults:
             grades=np.full(shape, UNEVALUATED_GRADE_CODE),
             missed=np.zeros(shape, dtype=bool),
             bounded=np.zeros(shape, dtype=bool),
+            unproved=np.zeros(shape, dtype=bool),
             mass=np.full(count, np.nan),
             infeasible=np.zeros(count, dtype=bool),
             stopped=np.zeros(count, dtype=bool),
@@ -542,7 +551,7 @@ class VariantEvaluator:
         for stage in self.stages:
             part = evaluate(stage, rows)
             at = np.array([self.limits.index(one) for one in stage.limits])[:, None], rows
-            for name in ("values", "margins", "left", "grades", "missed", "bounded"):
+            for name in LIMIT_ARRAYS:
                 getattr(found, name)[at] = getattr(part, name)
             found.mass[rows], found.infeasible[rows] = part.mass, part.infeasible
             found = replace(found, why=found.why or part.why)
@@ -573,7 +582,7 @@ class VariantEvaluator:
         try:
             if self.unvectorised_inputs and len(inputs) > 1:
                 return LimitResults.concatenate([self.evaluate(row[None]) for row in inputs])
-            return self._asked(inputs)
+            return self._with_stuck_splines(inputs, self._asked(inputs))
         except (InvalidFileError, DesignError) as error:
             if len(inputs) == 1:
                 return self._refused(str(error))
@@ -582,10 +591,37 @@ class VariantEvaluator:
                 [self.evaluate(inputs[:middle]), self.evaluate(inputs[middle:])]
             )
 
-    def _asked(self, inputs: FloatArray) -> LimitResults:
-        """Return what limits come to; all variants must be able to exist."""
+    def _with_stuck_splines(self, inputs: FloatArray, found: LimitResults) -> LimitResults:
+        """Return results in which no limit counts as passed that a stuck spline may exceed.
+
+        Variants that nothing else keeps from passing are solved by themselves. Others fail
+        anyway, or remain lower bounds.
+        """
+        fails = (found.grades == CHECK_GRADES.index("fail")).any(axis=0)
+        alone = found.unproved.any(axis=0) & ~fails & ~found.bounded.any(axis=0)
+        asked = dict.fromkeys(
+            self.limits[k][1].quantity for k in np.flatnonzero(found.unproved[:, alone].any(axis=1))
+        )
+        one = replace(self, quantities=tuple(asked), yield_only=False) if asked else self
+        at = [self.limits.index(limit) for limit in one.limits]
+        for v in np.flatnonzero(alone).tolist():
+            own = one._asked(inputs[v : v + 1], alone=True)
+            for name in LIMIT_ARRAYS:
+                getattr(found, name)[at, v] = getattr(own, name)[:, 0]
+        passes = found.unproved & (found.grades == CHECK_GRADES.index("pass"))
+        return replace(
+            found,
+            grades=np.where(passes, CHECK_GRADES.index("warn"), found.grades),
+            bounded=found.bounded | found.unproved,
+        )
+
+    def _asked(self, inputs: FloatArray, *, alone: bool = False) -> LimitResults:
+        """Return what limits come to; all variants must be able to exist.
+
+        Of one variant `alone`, without an axis of variants, the spline that sticks is solved.
+        """
         count, moves = len(inputs), self._moves
-        one = bool(self.unvectorised_inputs)
+        one = alone or bool(self.unvectorised_inputs)
         numbers: dict[str, Any] = {
             name: float(column[0]) if one else column
             for name, column in zip(self.sampling_plan.names, inputs.T, strict=True)
@@ -599,7 +635,9 @@ class VariantEvaluator:
                 parts = tuple(moves[self.sampling_plan.names[k]] for k in mine)
                 worth = np.array([ADJUSTMENTS[p.adjustment_key].unit_value for p in parts])
                 amounts = inputs[:, mine] * worth
-                response = response_with_adjustments(response, parts, amounts, shared=True)
+                response = response_with_adjustments(
+                    response, parts, amounts[0] if alone else amounts, shared=True
+                )
             places = self._places[response.line.name]
             found.append(_answers(response, self._questions(response), places, count))
         return replace(
@@ -607,7 +645,7 @@ class VariantEvaluator:
             **{
                 f.name: np.concatenate([getattr(a, f.name) for a in found])
                 for f in fields(LimitResults)
-                if f.name in ("values", "margins", "left", "grades", "missed", "bounded")
+                if f.name in LIMIT_ARRAYS
             },
             mass=sum((a.mass for a in found), np.zeros(count)),
         )
@@ -688,12 +726,19 @@ def _answers(
     shape = (len(every), count)
     values, margins, left = (np.empty(shape) for _ in range(3))
     grades = np.empty(shape, dtype=int)
-    missed, bounded = (np.empty(shape, dtype=bool) for _ in range(2))
+    missed, bounded, unproved = (np.empty(shape, dtype=bool) for _ in range(3))
     for k, alike in every.items():
         found, asks = (_side_by_side([getattr(q, n) for q in alike]) for n in ("values", "asks"))
         known = ~np.isnan(found)
         grades_of, free = map(
-            _side_by_side, zip(*(q.grades_and_margins() for q in alike), strict=True)
+            _side_by_side,
+            zip(
+                *(
+                    q.limit.grades_and_margins(q.values, validity_margin=q.validity_margin)
+                    for q in alike
+                ),
+                strict=True,
+            ),
         )
         graded = np.where(known, grades_of, UNEVALUATED_GRADE_CODE)
         worst = graded.max(axis=-1, initial=UNEVALUATED_GRADE_CODE)
@@ -708,6 +753,7 @@ def _answers(
         missed[k] = alike[0].limit.required & (asks & ~known).any(axis=-1)
         beyond = _side_by_side([q.validity_margin for q in alike]) < -MARGIN_TOLERANCE
         bounded[k] = (known & beyond).any(axis=-1)
+        unproved[k] = (_side_by_side([q.unproved_margin for q in alike]) < 0).any(axis=-1)
     mass = sum((np.asarray(s.mass, dtype=float) for s in response.line.shafts), np.zeros(()))
     return LimitResults(
         values=values,
@@ -716,6 +762,7 @@ def _answers(
         grades=grades,
         missed=missed,
         bounded=bounded,
+        unproved=unproved,
         mass=np.broadcast_to(mass.reshape(-1) if mass.ndim else mass, count).copy(),
         infeasible=np.zeros(count, dtype=bool),
         stopped=np.zeros(count, dtype=bool),
