@@ -1,6 +1,6 @@
 """The driveline in its states: every quantity of every line against every limit."""
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterable, Iterator
 
 import numpy as np
 
@@ -332,15 +332,25 @@ def check_limit_at_part(
     )
 
 
-def line_checks(response: LineResponse) -> Iterator[Check]:
-    """Yield a check for each limit, state and part of a line that has a number."""
-    for question in evaluate_limits(response):
+def line_checks(
+    response: LineResponse, limits: Iterable[EvaluatedLimit] | None = None
+) -> Iterator[Check]:
+    """Yield a check for each limit, state and part of a line that has a number.
+
+    Its `limits` may be evaluated already.
+    """
+    for question in evaluate_limits(response) if limits is None else limits:
         yield from _answers(response, question)
 
 
-def unevaluated_line_checks(response: LineResponse) -> Iterator[UnevaluatedCheck]:
-    """Yield each limit, state and part of a line that got no number, with what it needs."""
-    for question in evaluate_limits(response):
+def unevaluated_line_checks(
+    response: LineResponse, limits: Iterable[EvaluatedLimit] | None = None
+) -> Iterator[UnevaluatedCheck]:
+    """Yield each limit, state and part of a line that got no number, with what it needs.
+
+    Its `limits` may be evaluated already.
+    """
+    for question in evaluate_limits(response) if limits is None else limits:
         yield from _silence(response, question)
 
 

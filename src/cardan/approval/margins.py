@@ -21,7 +21,7 @@ def margins(*responses: LineResponse, to: LimitBoundName) -> FloatArray:
 
     To the maximum, what can only warn has plenty.
     """
-    each = [_margins(r, tuple(evaluate_limits(r)), to=to) for r in responses]
+    each = [margins_of_limits(r, tuple(evaluate_limits(r)), to=to) for r in responses]
     return np.concatenate(each, axis=-1)
 
 
@@ -29,14 +29,15 @@ def margins_to_both_bounds(*responses: LineResponse) -> dict[LimitBoundName, Flo
     """Return every margin of lines to either bound, evaluated once."""
     questions = [(r, tuple(evaluate_limits(r))) for r in responses]
     return {
-        bound: np.concatenate([_margins(r, q, to=bound) for r, q in questions], axis=-1)
+        bound: np.concatenate([margins_of_limits(r, q, to=bound) for r, q in questions], axis=-1)
         for bound in LIMIT_BOUND_NAMES
     }
 
 
-def _margins(
+def margins_of_limits(
     response: LineResponse, questions: tuple[EvaluatedLimit, ...], *, to: LimitBoundName
 ) -> FloatArray:
+    """Return every margin of a line from its evaluated limits, as `margins`."""
     cases = response.layout.points.shape[:-3]
     each = [
         np.full_like(q.values, MARGIN_CAP)

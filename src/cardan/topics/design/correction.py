@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeAlias
 
 from cardan.approval.applied_adjustments import AppliedAdjustment
@@ -27,6 +28,10 @@ from cardan.topics.design.robustness import (
 LimitOfPart: TypeAlias = tuple[str, Limit, Part]
 """Name of a line, limit, and part that it applies to."""
 
+Standing: TypeAlias = tuple[int, int, int, int]
+"""Place of a verdict in `VERDICTS`, criteria exceeded with lower bounds, without them, and criteria
+that warn: the least is best."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Correction:
@@ -49,15 +54,20 @@ class Correction:
     tolerance_yield: ToleranceYield | None = None
     tolerance_model: ToleranceModel | None = None
 
+    @cached_property
+    def standing(self) -> Standing:
+        """How the application so corrected stands: verdict, criteria exceeded, warnings."""
+        return standing_of(self.verdict, self.checks)
+
     @property
-    def sort_key(self) -> tuple[int, int, float, float]:
-        """What proposals are sorted by: the verdict, how many trucks keep it, cost, margin."""
+    def sort_key(self) -> tuple[Standing, int, float, float]:
+        """What proposals are sorted by: how it stands, how many trucks keep it, cost, margin."""
         sure = (
             self.tolerance_yield.yield_class
             if self.tolerance_yield
             else PRODUCTION_YIELD_CLASS_COUNT - 1
         )
-        return VERDICTS.index(self.verdict), -sure, round(self.cost, 2), -self.margin
+        return self.standing, -sure, round(self.cost, 2), -self.margin
 
     def worst_changeable_check(self, of: Approval) -> Check:
         """Return the check of an approval that decides among what moving can change.
@@ -85,11 +95,14 @@ class Correction:
         What does corrects nothing, whatever margin it wins elsewhere. Nor does what leaves less
         margin at the same verdict, unless less fails or warns; nor what exceeds more criteria.
         """
-        if exceeded_count(self.checks) > exceeded_count(self.installed_approval.checks):
+        exceeded, before = map(exceeded_count, (self.checks, self.installed_approval.checks))
+        if exceeded > before:
             return False
         installed = verdict_beyond_bounds(self.installed_approval.verdict, self.installed_approval)
         if self.verdict != installed:
             return worst_verdict([self.verdict, installed]) == installed
+        if exceeded < before:
+            return True
         now, was = (a.smallest_margin or 0.0 for a in (self.approval, self.installed_approval))
         return now >= was - MARGIN_TOLERANCE or _wrong(self.approval) < _wrong(
             self.installed_approval
@@ -131,6 +144,16 @@ def exceeded_count(checks: Iterable[Check]) -> int:
     A lower bound counts as failing: nothing shows that its maximum holds.
     """
     return len({(c.quantity, c.line, c.limit) for c in checks if c.grade_as_exceeded == "fail"})
+
+
+def standing_of(verdict: Verdict, checks: Iterable[Check]) -> Standing:
+    """Return how checks stand, whose verdict is known."""
+    checks = tuple(checks)
+    failed, warned = (
+        {(c.quantity, c.line, c.limit) for c in checks if c.grade == grade}
+        for grade in ("fail", "warn")
+    )
+    return VERDICTS.index(verdict), exceeded_count(checks), len(failed), len(warned - failed)
 
 
 def _limit_of_part(c: Check) -> LimitOfPart:

@@ -5,12 +5,11 @@ search evaluates hundreds of layouts at a time. What comes of it is held to the 
 application so corrected, by every study that a check runs.
 """
 
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 from math import prod
-from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -19,29 +18,24 @@ from cardan.approval.applied_adjustments import (
     affected_lines,
     allowed_adjustments,
     corrected_application,
-    response_with_adjustments,
 )
 from cardan.approval.approval import Approval, approve_application, default_studies
 from cardan.approval.driveline_study import (
     DrivelineStudy,
+    EvaluatedLimit,
     evaluate_limits,
     line_checks,
     unevaluated_line_checks,
 )
-from cardan.approval.margins import (
-    LIMIT_BOUND_NAMES,
-    LimitBoundName,
-    margins,
-    margins_to_both_bounds,
-)
+from cardan.approval.margins import margins_of_limits
 from cardan.approval.study import DRIVELINE_STUDY_NAME, StudyResult
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.core.arrays import BoolArray, FloatArray
 from cardan.core.errors import DesignError
 from cardan.core.status import ProgressCallback, ignore_status
 from cardan.core.verdict import (
-    VERDICTS,
     Check,
+    UnevaluatedCheck,
     Verdict,
     worst_first_key,
     worst_verdict,
@@ -56,73 +50,82 @@ from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_
 from cardan.topics.design.correction import (
     Correction,
     LimitOfPart,
+    Standing,
     exceeded_count,
     share_of_ranges_used,
+    standing_of,
 )
-from cardan.topics.design.robustness import (
-    ToleranceModel,
+from cardan.topics.design.correction_search import (
+    CorrectionSearch,
+    SettingEvaluator,
+    adjusted_lines,
+    changed_margins,
+    corrections,
+    spread_positions,
 )
-
-MIN_MARGIN_AFTER_CORRECTION = 0.02
-"""Margin the least correction keeps, so that rounding it does not undo it."""
-
-SPREAD_TRIALS_PER_ADJUSTMENT = 48
-"""Trials spread over each way that is free before the search follows the best of them."""
+from cardan.topics.design.robustness import ToleranceModel
 
 MAX_YOKE_PHASE_COMBINATIONS = 8
 """Choices of yoke phases that are searched together at most: two of each of three shafts."""
 
-MIN_MARGIN_CHANGE = 1e-9
-"""A margin that changes by less than this in every trial is not for moving to answer."""
-
-MIN_SHORTFALL_CHANGE_SHARE = 0.05
-"""Nor is one below 0 in all of them that differs by less than this share of what it lacks."""
-
-MAX_EXHAUSTIVE_SEARCH_SETTINGS = 256
-"""Settings of a workshop that are all evaluated, where there are no more; else it is searched
-as if there were no steps."""
-
-MAX_ROUNDING_VARIANTS = 64
-"""Ways to round a correction that are tried at most; of more things each goes to its nearest."""
-
-MOVE_COST_SMOOTHING_RANGE_SHARE = 0.02
-"""Share of a range below which the search takes a move to cost as its square."""
-
-MIN_MARGIN_AFTER_CORRECTION_TOLERANCE = 1e-3
-"""How far into the reserve the search may end: rounding to steps is held to the bounds anyway."""
-
-ROBUST_MARGIN_STANDARD_DEVIATIONS = 2.5
-"""Standard deviations of its scatter that a robust correction keeps each margin away from 0."""
-
-MIN_CORRECTIONS_WITH_TOLERANCE_YIELD = 8
-"""Corrections of which the surviving share of trucks is computed, at least."""
+MAX_EVALUATED_CORRECTIONS = 8
+"""Corrections that are evaluated in full at most, unless more are to be proposed: best first."""
 
 MIN_MARGIN_ADVANTAGE_OVER_CHEAPER = 0.01
 """Of a bound: a correction that leaves no more than that beyond a cheaper one is its copy."""
 
-LOCAL_SEARCH_RADIUS_RANGE_SHARES, LOCAL_SEARCH_TRIALS = (0.1, 0.03, 0.01), 8
-"""Shares of the ranges about the best trial that are looked through by so many trials each way,
-where slopes lead nowhere better."""
+EXPECTED_MARGIN_ERROR = 0.15
+"""Share by which an expected margin may be off: forces at stops vary from setting to setting."""
 
 FIRST_ANSWER_TRIALS = 12
 """Spread trials that the first answer is the best of."""
 
-BACKTRACKING_FRACTIONS = np.linspace(0.0, 1.0, 17)[:, None]
-"""Places that are tried on the way back from a correction to the least one."""
 
-FunctionWithGradient: TypeAlias = Callable[[FloatArray], tuple[Any, FloatArray]]
+@dataclass(frozen=True, kw_only=True)
+class _EvaluatedLine:
+    """A line, with its limits evaluated once for whatever reads them."""
+
+    response: LineResponse
+
+    @cached_property
+    def limits(self) -> tuple[EvaluatedLimit, ...]:
+        """Every limit that applies to it."""
+        return tuple(evaluate_limits(self.response))
+
+    @cached_property
+    def checks(self) -> tuple[Check, ...]:
+        """Its checks."""
+        return tuple(line_checks(self.response, self.limits))
+
+    @cached_property
+    def unevaluated(self) -> tuple[UnevaluatedCheck, ...]:
+        """What got no number."""
+        return tuple(unevaluated_line_checks(self.response, self.limits))
+
+    @cached_property
+    def normal_margins(self) -> FloatArray:
+        """Every margin to a warning, (M,)."""
+        return margins_of_limits(self.response, self.limits, to="normal")
 
 
 @dataclass(frozen=True, kw_only=True)
 class _CorrectionCandidate:
-    """A correction while it is searched for, with the verdict of its line alone."""
+    """A correction while it is searched for: what is expected of it, and its lines alone.
+
+    Attributes
+    ----------
+    changed : (M,)
+        Which margins of its lines moving can change.
+    expected, expected_margin
+        How many criteria it would exceed and warn of, and its least margin, from a batch.
+    """
 
     movable: tuple[PermittedAdjustment, ...]
     amounts: tuple[float, ...]
-    responses: tuple[LineResponse, ...]
-    margin: float
+    installed: tuple[_EvaluatedLine, ...]
     changed: BoolArray
-    """Which margins of its lines moving can change."""
+    expected: tuple[int, int]
+    expected_margin: float
 
     @property
     def moves(self) -> tuple[AppliedAdjustment, ...]:
@@ -131,19 +134,44 @@ class _CorrectionCandidate:
         return tuple(AppliedAdjustment(adjustable=a, amount=x) for a, x in pairs if x != 0)
 
     @property
-    def rank(self) -> tuple[int, float, float]:
-        """What trials are sorted by: the best verdict first, then the cheapest."""
-        return VERDICTS.index(self.verdict), share_of_ranges_used(self.moves), -self.margin
+    def cost(self) -> float:
+        """Sum of the shares of their ranges that the moves use."""
+        return share_of_ranges_used(self.moves)
 
     @property
-    def gain(self) -> tuple[int, float]:
+    def expected_rank(self) -> tuple[tuple[int, int], float, float]:
+        """What trials are sorted by before they are evaluated in full."""
+        return self.expected, self.cost, -self.expected_margin
+
+    @property
+    def rank(self) -> tuple[Standing, float, float]:
+        """What trials are sorted by: how the line stands, then the cheapest."""
+        return self.standing, self.cost, -self.margin
+
+    @property
+    def gain(self) -> tuple[Standing, float]:
         """What it is shown by before the search has ended: the least is the best."""
-        return VERDICTS.index(self.verdict), -self.margin
+        return self.standing, -self.margin
+
+    @cached_property
+    def lines(self) -> tuple[_EvaluatedLine, ...]:
+        """Its line, and those that leave its axle, each as one design."""
+        if not self.moves:
+            return self.installed
+        before = tuple(line.response for line in self.installed)
+        after = adjusted_lines(before, self.movable, np.array(self.amounts))
+        return tuple(_EvaluatedLine(response=r) for r in after)
+
+    @cached_property
+    def margin(self) -> float:
+        """The least margin to a warning of what moving can change."""
+        every = np.concatenate([line.normal_margins for line in self.lines])
+        return float(every[self.changed].min())
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:
         """Those of its line, and of those that leave its axle."""
-        return tuple(c for r in self.responses for c in line_checks(r))
+        return tuple(c for line in self.lines for c in line.checks)
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -152,289 +180,32 @@ class _CorrectionCandidate:
             worst_verdict([c.grade, "incomplete"]) if c.is_lower_bound else c.grade
             for c in self.checks
         ]
-        missed = any(u.limit.required for r in self.responses for u in unevaluated_line_checks(r))
+        missed = any(u.limit.required for line in self.lines for u in line.unevaluated)
         return worst_verdict([*found, "incomplete"] if missed else found)
+
+    @cached_property
+    def standing(self) -> Standing:
+        """Verdict, criteria exceeded and warnings of its lines."""
+        return standing_of(self.verdict, self.checks)
 
 
 @dataclass(frozen=True)
 class _CorrectedLineStudy(DrivelineStudy):
-    """The driveline with one of its lines as a trial leaves it."""
+    """The driveline with one of its lines as a trial leaves it, the others as installed."""
 
-    trial: _CorrectionCandidate | None = field(default=None, kw_only=True)
+    lines: tuple[_EvaluatedLine, ...] = field(default=(), kw_only=True)
 
     def run(
         self, application: Application, tell: ProgressCallback = ignore_status
     ) -> StudyResult[tuple[LineResponse, ...]]:
-        """Run the search on every line."""
-        del tell
-        assert self.trial is not None
-        tried = {r.line.name: r for r in self.trial.responses}
-        responses = tuple(
-            tried.get(i.line.name)
-            or compute_line_response(
-                application, line_state_demand(resolve_line_references(application, i))
-            )
-            for i in application.lines
-        )
+        """Return what every line comes to."""
+        del application, tell
         return StudyResult(
             study=DRIVELINE_STUDY_NAME,
-            answer=responses,
-            checks=tuple(c for r in responses for c in line_checks(r)),
-            unevaluated=tuple(u for r in responses for u in unevaluated_line_checks(r)),
+            answer=tuple(line.response for line in self.lines),
+            checks=tuple(c for line in self.lines for c in line.checks),
+            unevaluated=tuple(u for line in self.lines for u in line.unevaluated),
         )
-
-
-@dataclass(frozen=True)
-class _CorrectionSearch:
-    """The margins of a line, and of those that leave its axle, over where its ways stand, -1 to 1.
-
-    Yokes are turned by fixed amounts `turns` (movable); of the stepless ways those named in
-    `free` move in proportion, the others stay at 0. `changed` separates the margins that moving
-    can change at all from those that it cannot.
-    """
-
-    lines: tuple[LineResponse, ...]
-    movable: tuple[PermittedAdjustment, ...]
-    turns: FloatArray
-    free: tuple[int, ...]
-    changed: BoolArray
-    trucks: ToleranceModel | None = None
-    known: dict[LimitBoundName, FloatArray] | None = None
-    """The margins of the spread trials, if they were computed."""
-
-    @cached_property
-    def settings(self) -> FloatArray | None:
-        """The amounts (V, movable) of all that a workshop can set.
-
-        None of more than `MAX_EXHAUSTIVE_SEARCH_SETTINGS`.
-        """
-        of = [self.movable[k] for k in self.free]
-        if not of or any(
-            not a.step > 0 or (a.high - a.low) / a.step > MAX_EXHAUSTIVE_SEARCH_SETTINGS for a in of
-        ):
-            return None
-        ways = [_set(a) for a in of]
-        if prod(map(len, ways)) > MAX_EXHAUSTIVE_SEARCH_SETTINGS:
-            return None
-        found = np.tile(self.turns, (prod(map(len, ways)), 1))
-        found[:, list(self.free)] = np.array(list(product(*ways)))
-        return found
-
-    @cached_property
-    def spread(self) -> dict[LimitBoundName, FloatArray]:
-        """The margins (V, ...) of trials spread over all ways, to either bound."""
-        if self.known is not None:
-            return self.known
-        return self.asked(self.amounts(_spread(len(self.free))))
-
-    def reserve(self, amounts: FloatArray, *, to: LimitBoundName) -> FloatArray | None:
-        """Return what each margin needs in reserve as trucks scatter; None where none does."""
-        if self.trucks is None:
-            return None
-        scatter = self.trucks.margin_standard_deviations(self.movable, amounts, to=to)[self.changed]
-        return MIN_MARGIN_AFTER_CORRECTION + ROBUST_MARGIN_STANDARD_DEVIATIONS * scatter
-
-    def amounts(self, positions: FloatArray) -> FloatArray:
-        """Return the amounts (V, movable) at positions (V, free)."""
-        found = np.tile(self.turns, (len(positions), 1))
-        for at, k in zip(positions.T, self.free, strict=True):
-            adjustable = self.movable[k]
-            found[:, k] = np.where(at > 0, adjustable.high, -adjustable.low) * at
-        return found
-
-    def margins(self, positions: FloatArray, *, to: LimitBoundName) -> FloatArray:
-        """Return the margins (V, ...) that moving changes."""
-        responses = _tried(self.lines, self.movable, self.amounts(positions))
-        return margins(*responses, to=to)[:, self.changed]
-
-    def asked(self, amounts: FloatArray) -> dict[LimitBoundName, FloatArray]:
-        """Return the margins (V, ...) that moving changes, to either bound."""
-        found = margins_to_both_bounds(*_tried(self.lines, self.movable, amounts))
-        return {bound: values[:, self.changed] for bound, values in found.items()}
-
-    def settable(
-        self, position: FloatArray, *, to: LimitBoundName, cheap: bool = False
-    ) -> FloatArray:
-        """Return the amounts (movable) next to a position that a workshop can set.
-
-        A step of a workshop may be more than the room that is left: of those around the
-        position it is the one of most margin, or the `cheap`est that keeps every margin.
-        """
-        amounts = self.amounts(position[None])[0]
-        steps = np.array([a.step for a in self.movable])
-        whole = np.where(steps > 0, steps, 1.0)
-        down = np.where(steps > 0, np.floor(amounts / whole + 1e-9) * whole, amounts)
-        up = np.where(steps > 0, np.ceil(amounts / whole - 1e-9) * whole, amounts)
-        beside = [sorted({a, b}) for a, b in zip(down.tolist(), up.tolist(), strict=True)]
-        if prod(map(len, beside)) > MAX_ROUNDING_VARIANTS:
-            beside = [[float(np.round(a / w) * w)] for a, w in zip(amounts, whole, strict=True)]
-        every = np.array(list(product(*beside)))
-        low, high = (np.array([getattr(a, n) for a in self.movable]) for n in ("low", "high"))
-        free = list(self.free)
-        every[:, free] = np.clip(every, low, high)[:, free]
-        least = _least(self.asked(every), to=to)
-        if cheap and (least >= 0).any():
-            every = every[least >= 0]
-            return every[self.shares(every).argmin()]
-        return every[least.argmax()]
-
-    def shares(self, amounts: FloatArray) -> FloatArray:
-        """Return the sums (V,) of the shares of their ranges that amounts (V, movable) use."""
-        of = [self.movable[k] for k in self.free]
-        amounts = amounts[:, list(self.free)]
-        bounds = np.where(amounts > 0, [a.high for a in of], [a.low for a in of])
-        return (amounts / np.where(amounts == 0, 1.0, bounds)).sum(-1)
-
-    def exhausted(
-        self, settings: FloatArray, asked: dict[LimitBoundName, FloatArray] | None = None
-    ) -> Iterator[FloatArray]:
-        """Yield of all settings (V, movable) the one of most margin, and the cheapest that do.
-
-        Their margins `asked` may be known.
-        """
-        cheapest = np.argsort(self.shares(settings), kind="stable")
-        settings = settings[cheapest]
-        asked = self.asked(settings) if asked is None else _some(asked, cheapest)
-        for bound in LIMIT_BOUND_NAMES:
-            margin, least = asked[bound], _least(asked, to=bound)
-            top = settings[(least >= least.max() - MIN_MARGIN_CHANGE).argmax()]
-            yield top
-            for needed in (0.0, self.reserve(top, to=bound)):
-                if needed is not None and (keeps := (margin >= needed).all(-1)).any():
-                    yield settings[keeps.argmax()]
-
-    def best(self, *, to: LimitBoundName) -> tuple[FloatArray, float, FloatArray]:
-        """Return the position of the largest smallest margin, and that margin.
-
-        And the trial nearest to 0 that keeps every margin in reserve, or that position again.
-        """
-        spread, found = _spread(len(self.free)), _least(self.spread, to=to)
-        start = spread[np.argmax(found)]
-
-        def room(z: FloatArray) -> tuple[float, FloatArray]:
-            return -z[-1], np.append(np.zeros(len(z) - 1), -1.0)
-
-        def beyond(z: FloatArray) -> tuple[FloatArray, FloatArray]:
-            margin, slope = self._smooth(z[:-1], to=to)
-            return margin - z[-1], np.column_stack([slope, -np.ones(len(margin))])
-
-        top = self._solve(np.append(start, found.max()), cost=room, needed=beyond)[:-1]
-        about = np.stack([start, top])
-        reached = _least(self.asked(self.amounts(about)), to=to)
-        top, margin = about[reached.argmax()], float(reached.max())
-        if margin <= found.max():
-            top, margin = self._nearby(start, to=to)
-        kept = spread[found > MIN_MARGIN_AFTER_CORRECTION]
-        return top, margin, min(kept, key=lambda x: float(x @ x), default=top)
-
-    def _nearby(self, start: FloatArray, *, to: LimitBoundName) -> tuple[FloatArray, float]:
-        """Return the position of the largest smallest margin about another, and that margin.
-
-        For where slopes lead astray: over a crest into another valley.
-        """
-        top, reached = start, -np.inf
-        spread = _spread(len(self.free), trials=LOCAL_SEARCH_TRIALS)
-        for share in LOCAL_SEARCH_RADIUS_RANGE_SHARES:
-            about = np.clip(top + share * spread, -1, 1)
-            found = _least(self.asked(self.amounts(about)), to=to)
-            top, reached = about[found.argmax()], float(found.max())
-        return top, reached
-
-    def least(
-        self,
-        start: FloatArray,
-        *,
-        to: LimitBoundName,
-        reserve: FloatArray | float = MIN_MARGIN_AFTER_CORRECTION,
-    ) -> FloatArray:
-        """Return the cheapest position found that keeps every margin in reserve.
-
-        `start` keeps them. Where the search goes astray, as which point is worst changes from
-        place to place, it is the cheapest on the straight ways there and to 0.
-        """
-
-        def cost(x: FloatArray) -> tuple[float, FloatArray]:
-            size = np.sqrt(
-                x**2 + MOVE_COST_SMOOTHING_RANGE_SHARE**2
-            )  # without the edge that a share has at 0
-            return float(size.sum()), x / size
-
-        def kept(x: FloatArray) -> tuple[FloatArray, FloatArray]:
-            margin, slope = self._smooth(x, to=to)
-            return margin - reserve, slope
-
-        end = self._solve(start, cost=cost, needed=kept)
-        ways = np.concatenate(
-            [start + BACKTRACKING_FRACTIONS * (goal - start) for goal in (end, 0 * start)]
-        )
-        keeps = (self.margins(ways, to=to) - reserve).min(
-            -1
-        ) >= -MIN_MARGIN_AFTER_CORRECTION_TOLERANCE
-        keeps[0] = True
-        return ways[keeps][np.abs(ways[keeps]).sum(-1).argmin()]
-
-    def _smooth(self, at: FloatArray, *, to: LimitBoundName) -> tuple[FloatArray, FloatArray]:
-        """Return margins and their slopes at a position, from one batch of neighbours."""
-        step = 1e-5
-        found = self.margins(np.vstack([at, at + step * np.eye(len(at))]), to=to)
-        return found[0], (found[1:] - found[0]).T / step
-
-    def _solve(
-        self, start: FloatArray, *, cost: FunctionWithGradient, needed: FunctionWithGradient
-    ) -> FloatArray:
-        """Follow a cost downhill while what is needed stays above 0."""
-        from scipy.optimize import minimize  # slow to import: only `fix` waits for it
-
-        ways, known = len(self.free), dict[bytes, tuple[FloatArray, FloatArray]]()
-
-        def once(z: FloatArray) -> tuple[FloatArray, FloatArray]:
-            """Return what is needed; SLSQP requests value and slope of a place one by one."""
-            if z.tobytes() not in known:
-                known[z.tobytes()] = needed(z)
-            return known[z.tobytes()]
-
-        def room(z: FloatArray) -> Any:
-            return once(z)[0]
-
-        def slope(z: FloatArray) -> FloatArray:
-            return once(z)[1]
-
-        bounds = [(-1.0, 1.0)] * ways + [(-np.inf, np.inf)] * (len(start) - ways)
-        found = minimize(
-            cost,
-            start,
-            jac=True,
-            bounds=bounds,
-            method="SLSQP",
-            constraints={"type": "ineq", "fun": room, "jac": slope},
-            # Steps are rounded to what a workshop can set: a margin to 0.01 % is enough.
-            options={"maxiter": 40, "ftol": 1e-4},
-        )
-        return np.clip(found.x, *np.transpose(bounds))
-
-
-def _least(asked: dict[LimitBoundName, FloatArray], *, to: LimitBoundName) -> FloatArray:
-    """Return the least margin (V,) to a bound; of what fails none while anything else is left.
-
-    What fails is no cure for a warning, whatever margin it wins elsewhere.
-    """
-    stands = (asked["maximum"] >= 0).all(-1)
-    return np.where(stands | ~stands.any(), asked[to].min(-1), -np.inf)
-
-
-def _set(way: PermittedAdjustment) -> FloatArray:
-    """Return what a workshop can set of a way: whole steps, and the ends of its range."""
-    low, high = way.low / way.step, way.high / way.step
-    whole = np.arange(np.ceil(low - 1e-9), np.floor(high + 1e-9) + 1)
-    ends = [end for end in (low, high) if abs(end - round(end)) > 1e-9]
-    return np.append(whole, ends) * way.step
-
-
-def _spread(ways: int, *, trials: int = SPREAD_TRIALS_PER_ADJUSTMENT) -> FloatArray:
-    """Return positions (V, ways) spread over all ways, the middle first."""
-    positions = np.random.default_rng(1).uniform(-1, 1, (1 + trials * ways, ways))
-    positions[0] = 0.0
-    return positions
 
 
 def find_corrections(
@@ -490,44 +261,117 @@ def find_corrections(
     studies evaluate the result, not while it goes on.
     """
     require_no_placeholders(application)
-    response = _line(application, line)
+    lines = {
+        i.line.name: _EvaluatedLine(
+            response=compute_line_response(
+                application, line_state_demand(resolve_line_references(application, i))
+            )
+        )
+        for i in application.lines
+    }
+    response = _line(lines, line)
     movable = _unheld(allowed_adjustments(response), hold)
-    before = compute_line_response(application, response.demand)
     trucks = ToleranceModel.from_application(application, response.line.name)
-    showing = show and _ProgressReporter(before, show)
+    trials = _Trials(lines, response, movable)
+    showing = show and _ProgressReporter(lines, response, show)
     if showing:
-        showing.all(_glance(before, movable))
+        showing.all(trials.glance())
     found: dict[tuple[AppliedAdjustment, ...], _CorrectionCandidate] = {}
-    for t in _trials(before, movable, trucks, tell):
-        found[t.moves] = t
+    for t in trials.all(trucks, tell):
+        t = found.setdefault(t.moves, t)
         if showing:
             showing.all((t,))
-    installed = found.get(())
+    installed = found.pop((), None)
     if installed is None:  # nothing that may be moved changes anything
         return ()
-    # Before they are compared: what exceeds more hides by its margin what exceeds less.
-    most = exceeded_count(installed.checks)
-    ranked = sorted(
-        (t for t in found.values() if exceeded_count(t.checks) <= most), key=lambda t: t.rank
-    )
-    unbeaten = [t for t in _unbeaten(ranked) if t.moves][
-        : max(count, MIN_CORRECTIONS_WITH_TOLERANCE_YIELD)
+    standing = _approval(lines, response, installed)
+    proposals: dict[tuple[AppliedAdjustment, ...], Correction] = {}
+    evaluated: list[_CorrectionCandidate] = []
+    for t in _worth_evaluating(found.values(), installed):
+        best = [one for one in _unbeaten(evaluated) if proposals[one.moves].is_acceptable]
+        full = len(best) >= count and t.expected > max(one.expected for one in best)
+        if full or len(evaluated) == max(count, MAX_EVALUATED_CORRECTIONS):
+            break
+        # What exceeds more would hide by its margin what exceeds less.
+        if exceeded_count(t.checks) <= exceeded_count(installed.checks):
+            evaluated.append(t)
+            proposals[t.moves] = _proposal(lines, response, t, installed, standing)
+    kept = [
+        (proposals[t.moves], t) for t in _unbeaten(evaluated) if proposals[t.moves].is_acceptable
     ]
-    standing = _approval(before, installed)
-    proposals: list[Correction] = []
-    for t in unbeaten:
-        survival = trucks and trucks.survival(t.movable, np.array(t.amounts), asked=draws)
-        one = _proposal(before, t, installed, standing)
-        proposals.append(replace(one, tolerance_yield=survival, tolerance_model=trucks))
-    kept = (p for p in proposals if p.is_acceptable)
-    return tuple(sorted(kept, key=lambda p: p.sort_key)[:count])
+    return _with_tolerance_yields(kept, trucks, count=count, draws=draws)
+
+
+def _worth_evaluating(
+    trials: Iterable[_CorrectionCandidate], installed: _CorrectionCandidate
+) -> list[_CorrectionCandidate]:
+    """Return the trials that no other is expected to beat, best expected first."""
+    waiting = sorted(trials, key=lambda t: t.expected_rank)
+    others = [*waiting, installed]
+    return [t for t in waiting if not any(_is_expected_to_beat(one, t) for one in others)]
+
+
+def _is_expected_to_beat(one: _CorrectionCandidate, other: _CorrectionCandidate) -> bool:
+    """Return whether a trial surely is no dearer, leaves more margin and exceeds no more.
+
+    Sure is what is more than the error of what is expected.
+    """
+    needed = other.expected_margin + EXPECTED_MARGIN_ERROR * abs(other.expected_margin)
+    return (
+        one.expected <= other.expected
+        and one.cost <= other.cost + 1e-9
+        and one.expected_margin > needed
+    )
+
+
+def _unbeaten(evaluated: Iterable[_CorrectionCandidate]) -> list[_CorrectionCandidate]:
+    """Return the trials that no other beats, which stands as well, costs no more, leaves more."""
+    found: list[_CorrectionCandidate] = []
+    for t in sorted(evaluated, key=lambda t: t.rank):
+        if not any(
+            one.cost <= t.cost + 1e-9 and t.margin <= one.margin + MIN_MARGIN_ADVANTAGE_OVER_CHEAPER
+            for one in found  # which stand no worse
+        ):
+            found.append(t)
+    return found
+
+
+def _with_tolerance_yields(
+    proposals: Iterable[tuple[Correction, _CorrectionCandidate]],
+    trucks: ToleranceModel | None,
+    *,
+    count: int,
+    draws: int,
+) -> tuple[Correction, ...]:
+    """Return the best proposals with how many trucks keep each.
+
+    Computed of those alone that stand so well that it can decide whether they are among the best.
+    """
+    ranked = sorted(proposals, key=lambda pair: pair[0].sort_key)
+    if len(ranked) > count:
+        last = ranked[count - 1][0].standing
+        ranked = [pair for pair in ranked if pair[0].standing <= last]
+    found = [
+        replace(
+            p,
+            tolerance_yield=trucks and trucks.survival(t.movable, np.array(t.amounts), asked=draws),
+            tolerance_model=trucks,
+        )
+        for p, t in ranked
+    ]
+    return tuple(sorted(found, key=lambda p: p.sort_key)[:count])
 
 
 class _ProgressReporter:
     """Shows the corrections that are better than those before, of trials as they come."""
 
-    def __init__(self, before: LineResponse, show: Callable[[Correction], None]) -> None:
-        self.before, self.show = before, show
+    def __init__(
+        self,
+        lines: Mapping[str, _EvaluatedLine],
+        before: LineResponse,
+        show: Callable[[Correction], None],
+    ) -> None:
+        self.lines, self.before, self.show = lines, before, show
         self.best: _CorrectionCandidate | None = None
 
     def all(self, trials: Iterable[_CorrectionCandidate]) -> None:
@@ -535,15 +379,22 @@ class _ProgressReporter:
         for t in trials:
             if self.best is None:
                 self.best, self.installed = t, t
-                self.standing = _approval(self.before, t)
-            elif t.moves and t.gain < self.best.gain:
-                one = _proposal(self.before, t, self.installed, self.standing)
+                self.standing = _approval(self.lines, self.before, t)
+            elif self._may_be_better(t) and t.gain < self.best.gain:
+                one = _proposal(self.lines, self.before, t, self.installed, self.standing)
                 if one.is_acceptable:
                     self.best = t
                     self.show(one)
 
+    def _may_be_better(self, t: _CorrectionCandidate) -> bool:
+        """Return whether a trial is expected to be better, before it is evaluated in full."""
+        assert self.best is not None
+        own, best = ((c.expected, -c.expected_margin) for c in (t, self.best))
+        return bool(t.moves) and own < best
+
 
 def _proposal(
+    lines: Mapping[str, _EvaluatedLine],
     before: LineResponse,
     t: _CorrectionCandidate,
     installed: _CorrectionCandidate,
@@ -555,7 +406,7 @@ def _proposal(
         adjustments=t.moves,
         margin_before=installed.margin,
         margin=t.margin,
-        approval=_approval(before, t),
+        approval=_approval(lines, before, t),
         installed_approval=standing,
         changeable=_changeable_limits(installed),
     )
@@ -564,9 +415,9 @@ def _proposal(
 def _changeable_limits(installed: _CorrectionCandidate) -> frozenset[LimitOfPart]:
     """Return the limits of lines and parts that moving changes in at least one state."""
     every = [
-        (r.line.name, question.limit, part)
-        for r in installed.responses
-        for question in evaluate_limits(r)
+        (line.response.line.name, question.limit, part)
+        for line in installed.lines
+        for question in line.limits
         for _ in range(question.values.shape[-2])
         for part in question.parts
     ]
@@ -574,11 +425,17 @@ def _changeable_limits(installed: _CorrectionCandidate) -> frozenset[LimitOfPart
     return frozenset(one for one, moves in zip(every, changed, strict=True) if moves)
 
 
-def _approval(before: LineResponse, trial: _CorrectionCandidate) -> Approval:
+def _approval(
+    lines: Mapping[str, _EvaluatedLine], before: LineResponse, trial: _CorrectionCandidate
+) -> Approval:
     """Return the approval of an application with one line as a trial leaves it."""
-    application = corrected_application(before, trial.movable, np.array(trial.amounts))
+    application = before.application
+    if trial.moves:
+        application = corrected_application(before, trial.movable, np.array(trial.amounts))
+    tried = {line.response.line.name: line for line in trial.lines}
     _, *others = default_studies(application)
-    return approve_application(application, (_CorrectedLineStudy(trial=trial), *others))
+    driveline = _CorrectedLineStudy(lines=tuple({**lines, **tried}.values()))
+    return approve_application(application, (driveline, *others))
 
 
 def _unheld(
@@ -594,83 +451,108 @@ def _unheld(
     return tuple(a for a, both in names.items() if not set(both) & set(hold))
 
 
-def _line(application: Application, name: str | None) -> LineResponse:
+def _line(lines: Mapping[str, _EvaluatedLine], name: str | None) -> LineResponse:
     """Return the line of a name, or the one with the worst check."""
-    responses = {
-        i.line.name: compute_line_response(
-            application, line_state_demand(resolve_line_references(application, i))
-        )
-        for i in application.lines
-    }
+    if name is None and len(lines) == 1:
+        (only,) = lines.values()
+        return only.response
     if name is None:
         return min(
-            responses.values(),
-            key=lambda r: min(map(worst_first_key, line_checks(r)), default=(0, 0)),
-        )
-    if name not in responses:
-        msg = f"there is no line {name}; the application has {', '.join(responses)}"
+            lines.values(),
+            key=lambda line: min(map(worst_first_key, line.checks), default=(0, 0)),
+        ).response
+    if name not in lines:
+        msg = f"there is no line {name}; the application has {', '.join(lines)}"
         raise DesignError(msg)
-    return responses[name]
+    return lines[name].response
 
 
-def _trials(
-    response: LineResponse,
-    movable: tuple[PermittedAdjustment, ...],
-    trucks: ToleranceModel | None,
-    tell: Callable[[int, int], None] | None,
-) -> Iterator[_CorrectionCandidate]:
-    """Yield every trial worth comparing: each way alone, all together, each yoke turned.
+class _Trials:
+    """The settings of one line that are worth comparing, each evaluated once in a batch."""
 
-    The line as installed is the first; nothing where no move changes anything.
-    """
-    ways = _ways(movable)
-    lines = affected_lines(response, movable)
-    turnings = list(_turnings(response, movable))
-    everything = _CorrectionSearch(lines, movable, turnings[0], ways, np.array([], dtype=bool))
-    spread = everything.amounts(_spread(len(ways)))
-    trials = np.concatenate([spread, np.stack(turnings)])
-    asked = margins_to_both_bounds(*_tried(lines, movable, trials))
-    changed = _changed(asked)
-    if not changed.any():
-        return
-    for k, turns in enumerate(turnings):
-        if tell:
-            tell(k, len(turnings))
-        yield _trial(lines, movable, turns, changed)
-        alone = [] if turns.any() or len(ways) < 2 else [(k,) for k in ways]
-        for free in [*alone, *([ways] if ways else [])]:
-            known: dict[LimitBoundName, FloatArray] | None = None
-            if k == 0 and free == ways:
-                known = {b: v[: len(spread), changed] for b, v in asked.items()}
-            search = _CorrectionSearch(lines, movable, turns, free, changed, trucks, known)
-            for amounts in _corrections(search):
-                yield _trial(lines, movable, amounts, changed)
+    def __init__(
+        self,
+        lines: Mapping[str, _EvaluatedLine],
+        response: LineResponse,
+        movable: tuple[PermittedAdjustment, ...],
+    ) -> None:
+        own = affected_lines(response, movable)
+        self.response = response
+        self.installed = tuple(lines[r.line.name] for r in own)
+        self.evaluator = SettingEvaluator(tuple(e.response for e in self.installed), movable)
+
+    def all(
+        self, trucks: ToleranceModel | None, tell: Callable[[int, int], None] | None
+    ) -> Iterator[_CorrectionCandidate]:
+        """Yield every trial worth comparing: each way alone, all together, each yoke turned.
+
+        The line as installed is the first; nothing where no move changes anything.
+        """
+        movable = self.evaluator.movable
+        ways = _ways(movable)
+        turnings = list(_turnings(self.response, movable))
+        spread = _search(self.evaluator, turnings[0], ways).amounts(spread_positions(len(ways)))
+        alone = [
+            settings
+            for k in (ways if len(ways) > 1 else ())
+            if (settings := _search(self.evaluator, turnings[0], (k,)).settings) is not None
+        ]
+        # In one batch with what is evaluated of them later.
+        self.evaluator.evaluate(np.concatenate([spread, np.stack(turnings), *alone]))
+        asked = self.evaluator.evaluate(np.concatenate([spread, np.stack(turnings)])).margins
+        changed = changed_margins(asked)
+        if not changed.any():
+            return
+        most = int(self.evaluator.evaluate(turnings[0][None]).exceeded[0])
+        for k, turns in enumerate(turnings):
+            if tell:
+                tell(k, len(turnings))
+            yield self._trial(turns, changed)
+            single = [] if turns.any() or len(ways) < 2 else [(way,) for way in ways]
+            for free in [*single, *([ways] if ways else [])]:
+                search = CorrectionSearch(self.evaluator, turns, free, changed, most, trucks)
+                for amounts in corrections(search):
+                    yield self._trial(amounts, changed)
+
+    def glance(self) -> Iterator[_CorrectionCandidate]:
+        """Yield the line as installed, and the best of a few trials that a workshop can set.
+
+        For a first result soon: nothing where no move changes anything.
+        """
+        movable = self.evaluator.movable
+        turnings = np.stack(list(_turnings(self.response, movable)))
+        search = _search(self.evaluator, turnings[0], _ways(movable))
+        few = search.amounts(spread_positions(len(search.free))[:FIRST_ANSWER_TRIALS])
+        steps = np.array([a.step for a in movable])
+        whole = np.where(steps > 0, steps, 1.0)
+        few = np.where(steps > 0, np.trunc(few / whole) * whole, few)  # towards 0: within the range
+        trials = np.concatenate([few, turnings[1:]])
+        changed = changed_margins(self.evaluator.evaluate(trials).margins)
+        if changed.any():
+            yield self._trial(turnings[0], changed)
+            most = int(self.evaluator.evaluate(turnings[:1]).exceeded[0])
+            best = replace(search, changed=changed, most=most).exhausted(trials)
+            once = {tuple(amounts.tolist()): amounts for amounts in best}.values()
+            yield min((self._trial(a, changed) for a in once), key=lambda t: t.expected_rank)
+
+    def _trial(self, amounts: FloatArray, changed: BoolArray) -> _CorrectionCandidate:
+        """Return the trial that moves things by these amounts."""
+        found = self.evaluator.evaluate(amounts[None])
+        return _CorrectionCandidate(
+            movable=self.evaluator.movable,
+            amounts=tuple((amounts + 0.0).tolist()),  # no negative zeros
+            installed=self.installed,
+            changed=changed,
+            expected=(int(found.exceeded[0]), int(found.warned[0])),
+            expected_margin=float(found.expected_margin[0, changed].min()),
+        )
 
 
-def _glance(
-    response: LineResponse, movable: tuple[PermittedAdjustment, ...]
-) -> Iterator[_CorrectionCandidate]:
-    """Yield the line as installed, and the best of a few trials that a workshop can set.
-
-    For a first result soon: nothing where no move changes anything.
-    """
-    lines = affected_lines(response, movable)
-    turnings = np.stack(list(_turnings(response, movable)))
-    search = _CorrectionSearch(
-        lines, movable, turnings[0], _ways(movable), np.array([], dtype=bool)
-    )
-    few = search.amounts(_spread(len(search.free))[:FIRST_ANSWER_TRIALS])
-    steps = np.array([a.step for a in movable])
-    whole = np.where(steps > 0, steps, 1.0)
-    few = np.where(steps > 0, np.trunc(few / whole) * whole, few)  # towards 0: within the range
-    trials = np.concatenate([few, turnings[1:]])
-    asked = margins_to_both_bounds(*_tried(lines, movable, trials))
-    changed = _changed(asked)
-    if changed.any():
-        yield _trial(lines, movable, turnings[0], changed)
-        best = replace(search, changed=changed).exhausted(trials, _some(asked, np.s_[:, changed]))
-        once = {tuple(amounts.tolist()): amounts for amounts in best}.values()
-        yield min((_trial(lines, movable, a, changed) for a in once), key=lambda t: t.gain)
+def _search(
+    evaluator: SettingEvaluator, turns: FloatArray, free: tuple[int, ...]
+) -> CorrectionSearch:
+    """Return a search of which it is not known yet what moving changes."""
+    return CorrectionSearch(evaluator, turns, free, np.array([], dtype=bool))
 
 
 def _ways(movable: tuple[PermittedAdjustment, ...]) -> tuple[int, ...]:
@@ -678,36 +560,6 @@ def _ways(movable: tuple[PermittedAdjustment, ...]) -> tuple[int, ...]:
     return tuple(
         k for k, a in enumerate(movable) if not ADJUSTMENTS[a.adjustment_key].extremes_only
     )
-
-
-def _changed(asked: dict[LimitBoundName, FloatArray]) -> BoolArray:
-    """Return which margins moving can change, and correct, from those of trials (V, ...)."""
-    every = np.stack(list(asked.values()))
-    low, high = every.min(axis=1), every.max(axis=1)
-    hopeless = (high < 0) & (high - low < MIN_SHORTFALL_CHANGE_SHARE * -low)
-    return ((high - low > MIN_MARGIN_CHANGE) & ~hopeless).any(axis=0)
-
-
-def _some(asked: dict[LimitBoundName, FloatArray], at: Any) -> dict[LimitBoundName, FloatArray]:
-    """Return some of margins (V, ...) to either bound."""
-    return {to: margins[at] for to, margins in asked.items()}
-
-
-def _corrections(search: _CorrectionSearch) -> Iterator[FloatArray]:
-    """Yield where the smallest margin is largest, and the least ways to no warning, no fail."""
-    if search.settings is not None:
-        yield from search.exhausted(search.settings)
-        return
-    for bound in LIMIT_BOUND_NAMES:
-        top, margin, near = search.best(to=bound)
-        yield search.settable(top, to=bound)
-        if margin > MIN_MARGIN_AFTER_CORRECTION:
-            for start in (top, near):
-                yield search.settable(search.least(start, to=bound), to=bound, cheap=True)
-            reserve = search.reserve(search.amounts(top[None])[0], to=bound)
-            if reserve is not None and (search.margins(top[None], to=bound) >= reserve).all():
-                sure = search.least(top, to=bound, reserve=reserve)
-                yield search.settable(sure, to=bound)
 
 
 def _turnings(
@@ -740,36 +592,3 @@ def _ends(response: LineResponse, adjustable: PermittedAdjustment) -> list[float
     """Return how far yokes turn to the ends of their range, which count from the aligned."""
     installed = response.line.phases[adjustable.part - 1]
     return [bound - installed for bound in (adjustable.low, adjustable.high)]
-
-
-def _tried(
-    lines: tuple[LineResponse, ...], movable: tuple[PermittedAdjustment, ...], amounts: FloatArray
-) -> tuple[LineResponse, ...]:
-    """Return lines with things moved by amounts (V, movable), or (movable,)."""
-    return tuple(response_with_adjustments(line, movable, amounts) for line in lines)
-
-
-def _trial(
-    lines: tuple[LineResponse, ...],
-    movable: tuple[PermittedAdjustment, ...],
-    amounts: FloatArray,
-    changed: BoolArray,
-) -> _CorrectionCandidate:
-    """Return the trial that moves things by these amounts."""
-    responses = _tried(lines, movable, amounts)
-    return _CorrectionCandidate(
-        movable=movable,
-        amounts=tuple((amounts + 0.0).tolist()),  # no negative zeros
-        responses=responses,
-        margin=float(margins(*responses, to="normal")[..., changed].min()),
-        changed=changed,
-    )
-
-
-def _unbeaten(ranked: list[_CorrectionCandidate]) -> Iterator[_CorrectionCandidate]:
-    """Yield the trials that leave more margin than all that come before, and not a hair more."""
-    best = -np.inf
-    for trial in ranked:
-        if trial.margin > best + MIN_MARGIN_ADVANTAGE_OVER_CHEAPER:
-            best = trial.margin
-            yield trial

@@ -6,6 +6,7 @@ setting itself.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -206,9 +207,8 @@ class ToleranceModel:
             How many trucks are evaluated each by itself; 0 takes margins as parabolas of what
             scatters, and 4096 of them.
         """
-        still = np.zeros((1, len(self.sampling_plan.names)))
-        each = limit_of_each_margin(*self.responses(ways, amounts, still))
-        promised = self.margins(ways, amounts, still)
+        each = self._limits(ways)
+        promised = {to: m[:1] for to, m in self._margins_about(ways, amounts).items()}
         held = (promised["maximum"][0] >= -MARGIN_TOLERANCE) & [m.maximum is not None for m in each]
         calm = (promised["normal"][0] >= -MARGIN_TOLERANCE) & [m.has_warning_bound for m in each]
         if asked:
@@ -225,45 +225,72 @@ class ToleranceModel:
                 individually_evaluated=True,
                 most_failed_quantity=_lost(each, left, held),
             )
-        parabolas = self._parabolas(ways, amounts)
         off = self._normal(self.sampling_plan.unit_points(0, SAMPLE_COUNT))
-        left = parabolas["maximum"](off)
-        kept = _kept(left, held)
+        about = self._margins_about(ways, amounts)
+        some = np.flatnonzero(held & _may_fail(about["maximum"], off))
+        left = _parabola(about["maximum"][:, some])
+        near = _parabola(about["normal"][:, calm & _may_fail(about["normal"], off)])
+        kept, quiet = ((margins(off) >= -MARGIN_TOLERANCE).all(-1) for margins in (left, near))
         halved = {}
         for k, factor in enumerate(self.sampling_plan.factors):
             half = off.copy()
             half[:, k] /= 2
             halved[self.sampling_plan.name_of(factor)] = float(
-                _kept(parabolas["maximum"](half), held).mean()
+                (left(half) >= -MARGIN_TOLERANCE).all(-1).mean()
             )
         best = max(halved, key=halved.__getitem__)
         share = float(kept.mean())
         return ToleranceYield(
             share=share,
-            share_without_warnings=float((kept & _kept(parabolas["normal"](off), calm)).mean()),
+            share_without_warnings=float((kept & quiet).mean()),
             individually_evaluated=False,
             best_tightening=(best, halved[best]) if halved[best] > share + 0.005 else None,
-            most_failed_quantity=_lost(each, left, held),
+            most_failed_quantity=_lost(
+                [each[k] for k in some], left(off), np.ones(len(some), dtype=bool)
+            ),
         )
 
     def margin_standard_deviations(
         self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray, *, to: Any
     ) -> FloatArray:
         """Return the standard deviation of each margin at a setting, from its slopes."""
-        wide = self._wide
-        each = np.concatenate([np.diag(wide), -np.diag(wide)]) * FINITE_DIFFERENCE_STEP_SD
-        found = self.margins(ways, amounts, each)[to]
-        forth, back = np.split(found, 2)
+        forth, back = np.split(self._margins_about(ways, amounts)[to][1:], 2)
         return np.sqrt((((forth - back) / (2 * FINITE_DIFFERENCE_STEP_SD)) ** 2).sum(0))
 
-    def _parabolas(
+    def _margins_about(
         self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray
-    ) -> dict[LimitBoundName, Callable[[FloatArray], FloatArray]]:
-        """Return margins (V, M) to either bound of trucks so many deviations (V, T) off."""
-        step = np.diag(self._wide) * FINITE_DIFFERENCE_STEP_SD
-        off = np.concatenate([np.zeros((1, len(step))), step, -step])
-        found = self.margins(ways, amounts, off)
-        return {to: _parabola(m) for to, m in found.items()}
+    ) -> dict[LimitBoundName, FloatArray]:
+        """Return margins (1 + 2 T, M) to either bound: at a setting, then to each side of it.
+
+        By `FINITE_DIFFERENCE_STEP_SD` of each of T tolerances; evaluated once for each setting.
+        """
+        key = ways, tuple(amounts.tolist())
+        if key not in self._known_margins:
+            step = np.diag(self._wide) * FINITE_DIFFERENCE_STEP_SD
+            off = np.concatenate([np.zeros((1, len(step))), step, -step])
+            self._known_margins[key] = self.margins(ways, amounts, off)
+        return self._known_margins[key]
+
+    @cached_property
+    def _known_margins(
+        self,
+    ) -> dict[
+        tuple[tuple[PermittedAdjustment, ...], tuple[float, ...]], dict[LimitBoundName, FloatArray]
+    ]:
+        """Those that were evaluated: a search needs their slopes, a proposal its trucks."""
+        return {}
+
+    def _limits(self, ways: tuple[PermittedAdjustment, ...]) -> tuple[Limit, ...]:
+        """Return which limit each margin is to, at any setting."""
+        if ways not in self._known_limits:
+            still = np.zeros((1, len(self.sampling_plan.names)))
+            lines = self.responses(ways, np.zeros(len(ways)), still)
+            self._known_limits[ways] = limit_of_each_margin(*lines)
+        return self._known_limits[ways]
+
+    @cached_property
+    def _known_limits(self) -> dict[tuple[PermittedAdjustment, ...], tuple[Limit, ...]]:
+        return {}
 
     def _normal(self, unit: FloatArray) -> FloatArray:
         """Return how far trucks are off in each tolerance, in its standard deviations."""
@@ -320,19 +347,33 @@ def _merged(
     return tuple(replace(parts[k]) for k in first.values()), sums
 
 
-def _parabola(found: FloatArray) -> Callable[[FloatArray], FloatArray]:
-    """Return margins (V, M) as a function of (V, T), from those in the middle and next to it."""
+def _coefficients(found: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return middle (1, M), slopes and bends (T, M) of margins (1 + 2 T, M) about a setting."""
     # A limit that applies in some of these trucks alone has no slope: it counts where worst.
     jumps = (found == MARGIN_CAP).any(0) & (found < MARGIN_CAP).any(0)
     found = np.where(jumps, found.min(0), found)
     middle, forth, back = found[:1], *np.split(found[1:], 2)
     slope = (forth - back) / (2 * FINITE_DIFFERENCE_STEP_SD)
     bend = (forth + back - 2 * middle) / (2 * FINITE_DIFFERENCE_STEP_SD**2)
+    return middle, slope, bend
+
+
+def _parabola(found: FloatArray) -> Callable[[FloatArray], FloatArray]:
+    """Return margins (V, M) as a function of (V, T), from those in the middle and next to it."""
+    middle, slope, bend = _coefficients(found)
 
     def left(off: FloatArray) -> FloatArray:
         return middle + off @ slope + off**2 @ bend
 
     return left
+
+
+def _may_fail(found: FloatArray, off: FloatArray) -> BoolArray:
+    """Return which margins (V, M) about a setting may fall below 0 in trucks (V, T), (M,)."""
+    middle, slope, bend = _coefficients(found)
+    far = np.abs(off).max(axis=0)
+    least = middle[0] - far @ np.abs(slope) + far**2 @ np.minimum(bend, 0.0)
+    return np.asarray(least < 0, bool)
 
 
 def _kept(left: FloatArray, held: BoolArray) -> BoolArray:

@@ -285,7 +285,7 @@ def _effects_of_ends(
         return []
     within = _deciding(response, {m.state for m in missed})
     moves = _both_ways(movable, ends[:, : len(movable)])
-    crests = {q: values[within] for q, values in _crests(response).items()}
+    crests = {q: values[within] for q, values in force_crests(response).items()}
     made = _made(line_response_in_states(response, within), moves, crests=crests)
     rows = [made.moves.index(m) for m in moves]
     return [
@@ -436,11 +436,11 @@ def _made(
     return _MovedLine(
         moves=moves,
         response=response_with_adjustments(response, movable, amounts),
-        crests=_crests(response) if crests is None else crests,
+        crests=force_crests(response) if crests is None else crests,
     )
 
 
-def _crests(response: LineResponse) -> dict[str, FloatArray]:
+def force_crests(response: LineResponse) -> dict[str, FloatArray]:
     """Return what forces at stops, or with the spline stuck, are over the others, by quantity."""
     loads = response.mount_loads
     held = any(loads.is_stuck(kind).any() for kind in FORCE_KINDS)
