@@ -224,6 +224,8 @@ class Quantity:
     its `lower_bound` against them, and warn at least."""
     lower_bound: QuantityFunction | None = None
     """What it is at least beyond that range."""
+    worst_beyond: QuantityFunction | None = None
+    """What it is at worst beyond that range: a limit whose grade that leaves needs no warning."""
     find_worst_points: Callable[[LineResponse], LineOperatingPoints | None] | None = None
     """At which operating points its values stand, where it is sought over those."""
     has_resonance: bool = False

@@ -139,10 +139,9 @@ def receptance_alone(on: MountedLine, *, speed: FloatArray, torque: FloatArray) 
     line = on.case_last_matrices.select_cases(slice(None), axes)
     across = broadcast_cases(matrix_axes_first(rows, of=2), axes, of=2)
     D = line.dynamic_stiffness(each * speed, speed, torque)
-    H = np.moveaxis(
-        matrix_product(across, solve(D, across.swapaxes(0, 1))), (2, 0, 1), (-3, -2, -1)
-    )
-    H = H * (1 + 0.5j * orders[:, None, None] * _loss(on, speed)[..., None, None, :])
+    moved = matrix_product(across, solve(D, across.swapaxes(0, 1)))
+    loss = 0.5j * orders[:, None, None] * _loss(on, speed)[..., None, None, :]
+    H = np.moveaxis(moved, (2, 0, 1), (-3, -2, -1)) * (1 + loss)
     size = H.shape[-1]
     found = np.empty((*H.shape[:-2], 2, size, 2, size))
     found[..., 0, :, 0, :] = found[..., 1, :, 1, :] = H.real
