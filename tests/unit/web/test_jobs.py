@@ -462,7 +462,8 @@ def test_drag_does_not_solve_rubber_at_its_stop(monkeypatch, name):
     """It takes longer than all that follows a hand; values on rubber come when the hand rests."""
 
     def solve(*_: object) -> None:
-        raise AssertionError("solved")
+        message = "solved"
+        raise AssertionError(message)
 
     monkeypatch.setattr(MountLoads, "stop_response_on", solve)
     assert job(name)

