@@ -2,13 +2,9 @@
 
 import numpy as np
 
-from cardan.physics.loads.rubber_stop_response import (
-    STOP_ORDERS,
-    StoppedLine,
-    StoppedMotion,
-    components,
-    forces_at_stop,
-)
+from cardan.physics.loads.rubber_stop_contact import STOP_ORDERS, components, forces_at_stop
+from cardan.physics.loads.rubber_stop_receptance import StoppedLine, StopReceptance
+from cardan.physics.loads.rubber_stop_response import StoppedMotion
 
 STIFFNESS, LOSS, STOP = 200e3, 0.1, 15e-3
 RESONANCE = 10.4
@@ -33,18 +29,24 @@ def one_mass(ratio: float, *, steady: float = STEADY) -> StoppedLine:
     waves = np.zeros((len(W), len(orders), 2), dtype=complex)
     waves[:, 0, 0] = SWING * moves[:, 0, 0]
     free = components(np.tile([steady / STIFFNESS, 0.0], (len(W), 1)), waves)
-    size = 1 + 2 * len(orders)
-    found = np.zeros((len(W), size, 2, size, 2))
     lossy = moves * (1 + 1j * LOSS * orders[:, None])
+    blocks = np.zeros((len(W), len(orders), 2, 2, 2, 2))
     for d in (0, 1):
-        found[:, 0, d, 0, d] = 1 / k[d]
-        for j in range(len(orders)):
-            a, h = 1 + 2 * j, lossy[:, j, d]
-            found[:, a, d, a, d] = found[:, a + 1, d, a + 1, d] = h.real
-            found[:, a, d, a + 1, d], found[:, a + 1, d, a, d] = -h.imag, h.imag
+        h = lossy[..., d]
+        blocks[..., 0, d, 0, d] = blocks[..., 1, d, 1, d] = h.real
+        blocks[..., 0, d, 1, d], blocks[..., 1, d, 0, d] = -h.imag, h.imag
+    blocks = blocks.reshape(len(W), len(orders), 4, 4)
+    tied = np.zeros((len(W), 10, 10))
+    tied[:, [0, 1], [0, 1]] = 1 / k
+    for j in (0, 1):
+        some = slice(2 + 4 * j, 6 + 4 * j)
+        tied[:, some, some] = blocks[:, j]
+    none = np.zeros(1, dtype=int)
     return StoppedLine(
         free=free[:, None],
-        receptance=found.reshape(len(W), 1, 2 * size, 2 * size),
+        receptance=StopReceptance(
+            tied=tied[:, None], alone=blocks[:, None, 2:], tied_of=none, alone_of=none
+        ),
         stiffness=k.reshape(1, 1, 2),
         stop=np.array([[STOP]]),
         ratio=np.array([[ratio]]),

@@ -228,7 +228,7 @@ def _forces_at_loss_factors(
 def _at_stop_with_loss_factor(r: LineResponse, assumed: float) -> StopResponse | None:
     """Return what bearings carry at their stops with another loss factor of the rubber."""
     held = mounted_line_of(r.inputs, assumed=assumed)
-    return held and r.mount_loads.stop_response_on(held)
+    return held and r.mount_loads.stop_response_on(held, reaches=False)
 
 
 def _stop_stiffness_ratio(r: LineResponse) -> AssumedRange | None:

@@ -149,6 +149,10 @@ def evaluate_limits(
         spread = _spread(quantity, response, [limit for limit, _, _ in each], like=known)
         for limit, may, does in each:
             values, spots = _worst(limit, known, spread)
+            holds = validity_margin
+            if quantity.worst_beyond is not None and (holds < -MARGIN_TOLERANCE).any():
+                same = limit.grades(quantity.worst_beyond(response)) == limit.grades(values)
+                holds = np.where(same, np.inf, holds)
             if limit.required and is_only_bound.any():  # a bound that does not fail proves nothing
                 fails = limit.grades(values) == CHECK_GRADES.index("fail")
                 values = np.where(is_only_bound & ~fails, np.nan, values)
@@ -164,7 +168,7 @@ def evaluate_limits(
                 may = may & given.any(axis=tuple(range(given.ndim - 2)))
             answerable = asks & there & ~lacks_rating
             answers, at_own = (np.where(answerable, v, np.nan) for v in (values, known))
-            beyond = np.where(np.isnan(answers), np.inf, validity_margin)
+            beyond = np.where(np.isnan(answers), np.inf, holds)
             yield EvaluatedLimit(
                 limit=limit,
                 parts=parts,

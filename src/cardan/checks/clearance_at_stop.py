@@ -10,7 +10,8 @@ from cardan.core.lazy_dataclass import dataclass
 from cardan.model.layout import Layout
 from cardan.physics.loads.centre_bearing import ThrustEffect
 from cardan.physics.loads.rubber_mount import MountedLine
-from cardan.physics.loads.rubber_stop_response import at_places, round_the_half_turn
+from cardan.physics.loads.rubber_stop_contact import round_the_half_turn
+from cardan.physics.loads.rubber_stop_receptance import at_places
 from cardan.physics.vehicle.clearance import shaft_obstacle_clearances
 
 

@@ -213,12 +213,12 @@ class MountLoads:
         Of one design. Of many it is too dear: their forces there are lower bounds.
         """
         held = self.mounts.mounted_line
-        return held and self.stop_response_on(held, reaches=True)
+        return held and self.stop_response_on(held)
 
-    def stop_response_on(self, held: MountedLine, *, reaches: bool = False) -> StopResponse | None:
+    def stop_response_on(self, held: MountedLine, *, reaches: bool = True) -> StopResponse | None:
         """Return `stop_response` of a line that moves otherwise, as with another loss factor.
 
-        Without how far shafts reach into obstacles, unless it `reaches`.
+        `reaches` is whether how far shafts reach into obstacles is evaluated too.
         """
         screened, refined = self.screened_forces, self.refined_forces
         if screened is None or refined is None:

@@ -21,18 +21,15 @@ from cardan.physics.kinematics.joint_chain import rotate_chain
 from cardan.physics.loads.centre_bearing import bearing_forces
 from cardan.physics.loads.half_turn_fourier import semi_major_axis
 from cardan.physics.loads.rubber_mount import MountedLine
-from cardan.physics.loads.rubber_stop_response import (
+from cardan.physics.loads.rubber_stop_contact import components, forces_at_stop, largest_travel
+from cardan.physics.loads.rubber_stop_receptance import (
     StoppedLine,
-    StoppedMotion,
     StopReceptance,
-    all_motions,
     at_places,
-    components,
-    forces_at_stop,
-    largest_travel,
     receptance_alone,
     tied_receptance,
 )
+from cardan.physics.loads.rubber_stop_response import StoppedMotion, all_motions
 from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.operating_points import (
     LineOperatingPoints,
@@ -200,9 +197,7 @@ def stop_response(
     )
 
 
-def _both_kinds_of_cases(
-    forces: IntArray, reach: IntArray
-) -> tuple[IntArray, IntArray, IntArray]:
+def _both_kinds_of_cases(forces: IntArray, reach: IntArray) -> tuple[IntArray, IntArray, IntArray]:
     """Return all cases once, sweeps, thrusts and ratios (3, C), and which are of either kind."""
     each, own = np.unique(np.concatenate([forces, reach], axis=1), axis=1, return_inverse=True)
     own = own.reshape(-1)
@@ -594,7 +589,7 @@ class _Grid:
         stops = (far > line.stop[there[1]]).any(axis=-1)
         sizes = {kind: np.empty_like(far) for kind in FORCE_KINDS} | {"travel": far}
         linear = self.force_of(of, thrust)
-        for which in (stops, ~stops):
+        for which in (w for w in (stops, ~stops) if w.any()):
             place, case = motion.place[there][which], there[1][which]
             force = at_places(linear, place, case)
             if which is stops:

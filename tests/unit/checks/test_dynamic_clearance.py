@@ -6,7 +6,9 @@ from repository import EXAMPLES
 from scipy.optimize import minimize
 from slender_shafts import LEVEL, LOSS, UP, rods
 
+import cardan
 from cardan.application import overrides, reader
+from cardan.approval.approval import approve_driveline
 from cardan.checks.line_response import compute_line_response
 from cardan.checks.mount_loads import MountLoads
 from cardan.checks.quantities.registry import QUANTITIES
@@ -93,6 +95,30 @@ def test_clearance_at_a_stop_matches_a_spring_with_a_stop_by_hand():
     for way, takes in ((pressed, gone.max()), (-pressed, -gone.min())):
         reach = line(beside(text, 1, way, radius=250.0)).mount_loads.stop_response.reach[0, 0]
         assert GAP + 1000 * reach == pytest.approx(takes, rel=0.015)
+
+
+@pytest.mark.parametrize(("least", "is_open"), [(10, True), (1, False)])
+def test_limit_of_dynamic_clearance_alone_beyond_a_stop_in_a_study(least, is_open):
+    """Linear rubber leaves 40 mm less 17, and no design is known to pass if 17 more decide.
+
+    One design by itself is solved with its stop and passes.
+    """
+    limit = f"[{{quantity: clearance_on_rubber, unit: mm, maximum: {least}, source: ours}}]"
+    r = line(rods(800, plane="level"))
+    side = np.cross([0.0, 0.0, 1.0], r.layout.directions[0, 1])
+    text = beside(rods(800, plane="level"), 1, side / np.linalg.norm(side), radius=250.0)
+    within, beyond = 8000, 12000  # N m at which the mass goes 11.5 and 17 mm of 15
+    app = reader.loads(text.replace("limits: protractor", f"limits: {limit}"))
+    found = cardan.study(app, {"torque_Nm": {"grid": [within, beyond, 2]}}, n=2)
+    open_share = 0.5 if is_open else 0.0
+    assert (found.shares["incomplete"], found.shares["fail"]) == (open_share, 0.0)
+    assert found.yield_ == 1 - open_share
+    (only,) = found.to_dict()["limits"]
+    assert only["lower_bounds"] == open_share
+    assert (-0.2 < only["smallest_margin"] < 0) == is_open  # 1 - 17/15
+    alone = approve_driveline(overrides.change(app, {"torque_Nm": float(beyond)}))
+    assert alone.line_responses[0].mount_loads.is_solved_at_stop.all()
+    assert {(c.grade, c.is_lower_bound) for c in alone.checks} == {("pass", False)}
 
 
 def test_clearance_beside_a_neighbour_of_a_stopped_bearing_is_no_larger_than_with_the_stop():

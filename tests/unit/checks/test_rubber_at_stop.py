@@ -14,7 +14,8 @@ from cardan.checks.line_response import compute_line_response
 from cardan.model.layout import layout_from_points
 from cardan.physics.loads.centre_bearing import loads_of_turning_line
 from cardan.physics.loads.half_turn_fourier import semi_major_axis
-from cardan.physics.loads.rubber_stop_response import StoppedLine, StoppedMotion
+from cardan.physics.loads.rubber_stop_receptance import StoppedLine, moved_by
+from cardan.physics.loads.rubber_stop_response import StoppedMotion
 from cardan.physics.loads.statics import bearing_forces_of_weight_and_thrust
 from cardan.physics.vehicle.operating_points import demand_at_operating_points
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
@@ -231,7 +232,7 @@ def test_forces_of_a_motion_follow_it_where_the_stop_is_no_stiffer(grid):
     of, thrust = np.arange(len(grid.sweeps.state)), np.zeros(len(grid.sweeps.state), dtype=int)
     free = grid.travel(of, thrust)
     line = StoppedLine(
-        free=free, receptance=np.zeros((0, 0)), stiffness=grid.stiffness[of],
+        free=free, receptance=grid.receptance(of, thrust), stiffness=grid.stiffness[of],
         stop=np.full((len(of), 1), 1e-9), ratio=np.ones((len(of), 1)),
     )  # fmt: skip
     place = np.repeat(np.arange(80.0)[:, None], len(of), axis=1)
@@ -259,7 +260,11 @@ def test_push_in_proportion_to_travel_moves_the_line_as_stiffer_rubber_does(grid
     of, none = np.arange(count), np.zeros(count, dtype=int)
     line = grid.line(of, none, np.array([STOP]), np.ones((count, 1)))
     shape, more = line.free.shape, np.tile(0.2 * grid.stiffness[:, 0], (1, line.free.shape[2]))
-    matrix = np.eye(more.shape[-1]) + line.receptance * more[:, None, :]
+    size, at = more.shape[-1], line.receptance
+    each = (v[:, own] for v, own in ((at.tied, at.tied_of), (at.alone, at.alone_of)))
+    each = (v.reshape(-1, *v.shape[2:]) for v in each)
+    moves = moved_by(*each, np.tile(np.eye(size), (shape[0] * count, 1, 1)))
+    matrix = np.eye(size) + moves.reshape(*shape[:2], size, size) * more[:, None, :]
     moved = np.linalg.solve(matrix, line.free.reshape(*shape[:2], -1, 1)).reshape(shape)
     expected = rubber_at_stop._Grid.of(mounts, grid.sweeps, mounts.mounted_line).travel(of, none)
     size = np.abs(expected).max(axis=(2, 3))

@@ -457,6 +457,20 @@ def test_every_map_cell_matches_its_own_check():
         assert name == Translator("en").name(next(k.quantity for k in mine if k.margin == least))
 
 
+@pytest.mark.parametrize("name", ["held", "graded"])
+def test_drag_does_not_solve_rubber_at_its_stop(monkeypatch, name):
+    """It takes longer than all that follows a hand; values on rubber come when the hand rests."""
+
+    def solve(*_: object) -> None:
+        message = "solved"
+        raise AssertionError(message)
+
+    monkeypatch.setattr(MountLoads, "stop_response_on", solve)
+    assert job(name)
+    with pytest.raises(AssertionError, match="solved"):
+        job("full")
+
+
 @pytest.mark.slow
 def test_map_cell_with_bearing_force_search_has_full_verdict(monkeypatch):
     """On linear rubber: a map is a batch, of which a stop is not solved."""

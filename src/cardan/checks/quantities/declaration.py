@@ -227,6 +227,8 @@ class Quantity:
     unproved_margin: Callable[[LineResponse, FloatArray], FloatArray | None] | None = None
     """Of many designs: the share that is certainly free of a threshold (..., 1, 1), as
     `validity_margin`; None where its values are solved."""
+    worst_beyond: QuantityFunction | None = None
+    """What it is at worst beyond that range: a limit whose grade that leaves needs no warning."""
     find_worst_points: Callable[[LineResponse], LineOperatingPoints | None] | None = None
     """At which operating points its values stand, where it is sought over those."""
     has_resonance: bool = False

@@ -18,18 +18,23 @@ from one_mass_at_stop import (
 from scipy.integrate import solve_ivp
 
 from cardan.physics.loads.rubber_mount import MountedLine
-from cardan.physics.loads.rubber_stop_response import (
+from cardan.physics.loads.rubber_stop_contact import (
     SAMPLES,
     STOP_ORDERS,
     StopContact,
-    StoppedLine,
-    all_motions,
     components,
-    followed_motion,
     forces_at_stop,
+    largest_travel,
     round_the_half_turn,
-    stop_receptance,
 )
+from cardan.physics.loads.rubber_stop_receptance import (
+    StoppedLine,
+    StopReceptance,
+    moved_by,
+    receptance_alone,
+    tied_receptance,
+)
+from cardan.physics.loads.rubber_stop_response import all_motions, followed_motion
 
 
 def integrated(frequencies: list[float], ratio: float, *, steady: float = STEADY) -> list[float]:
@@ -131,22 +136,24 @@ def test_motion_within_stop_is_that_of_linear_rubber():
     motion = all_motions(free)
     assert motion.place[:, 0].tolist() == list(range(len(FREQUENCIES)))
     assert motion.travel == pytest.approx(line.free)
-    linear = np.zeros((*line.free.shape[:-1], 3))
+    count = len(FREQUENCIES)
     found = forces_at_stop(
-        motion.travel[:, 0], line.free[:, 0], linear[:, 0], stiffness=free.stiffness,
-        loss=np.array([[LOSS]]), stop=free.stop, ratio=free.ratio,
+        motion.travel[:, 0], line.free[:, 0], np.zeros((count, line.free.shape[2], 3)),
+        stiffness=free.stiffness.repeat(count, axis=0), loss=np.full((count, 1), LOSS),
+        stop=free.stop.repeat(count, axis=0), ratio=free.ratio.repeat(count, axis=0),
     )  # fmt: skip
     assert found.dynamic.max() == 0.0
-    assert found.travel.max() == pytest.approx(SWING / LOSS / STIFFNESS, rel=0.01)
+    far = largest_travel(motion.travel[:, 0])
+    assert far.max() == pytest.approx(SWING / LOSS / STIFFNESS, rel=0.01)
 
 
 def test_stop_force_is_the_slope_of_its_energy():
     """(r - 1) k gap²/2 with k the rubber's stiffness that way; its own slope by differences."""
     rng = np.random.default_rng(3)
-    x = rng.normal(size=(1, 60, 2)) * 0.02
+    x = rng.normal(size=(1, 2, 60)) * 0.02
     given = {
-        "stiffness": np.array([[[200e3, 120e3]]]), "stop": np.array([[STOP]]),
-        "ratio": np.array([[7.0]]),
+        "stiffness": np.array([[200e3, 120e3]]), "stop": np.array([STOP]),
+        "ratio": np.array([7.0]),
     }  # fmt: skip
     at = StopContact.of(x, **given)
 
@@ -154,19 +161,21 @@ def test_stop_force_is_the_slope_of_its_energy():
         return StopContact.of(x, **given).force
 
     def energy(x):
-        far = np.linalg.norm(x, axis=-1)
-        k = (given["stiffness"][:, 0] * x**2).sum(-1) / far**2
+        far = np.linalg.norm(x, axis=1)
+        k = (given["stiffness"][..., None] * x**2).sum(1) / far**2
         return 6 * k * np.maximum(far - STOP, 0) ** 2 / 2
 
     h = 1e-7
-    steps = [np.array([h, 0.0]), np.array([0.0, h])]
-    by_energy = np.stack([(energy(x + d) - energy(x - d)) / (2 * h) for d in steps], axis=-1)
+    steps = [np.array([[h], [0.0]]), np.array([[0.0], [h]])]
+    by_energy = np.stack([(energy(x + d) - energy(x - d)) / (2 * h) for d in steps], axis=1)
     by_force = [(force(x + d) - force(x - d)) / (2 * h) for d in steps]
-    slope = np.stack([by_force[0][..., 0], by_force[1][..., 1], by_force[0][..., 1]], axis=-1)
+    slope = np.stack([by_force[0][:, 0], by_force[1][:, 1], by_force[0][:, 1]], axis=1)
     assert at.force == pytest.approx(by_energy, rel=1e-5, abs=1e-2)
-    assert at.slope[..., 0] == pytest.approx(slope, rel=1e-5, abs=10)
-    assert by_force[1][..., 0] == pytest.approx(by_force[0][..., 1], rel=1e-5, abs=10)
-    assert (at.force[np.linalg.norm(x, axis=-1) <= STOP] == 0).all()
+    assert at.slope == pytest.approx(slope, rel=1e-5, abs=10)
+    assert by_force[1][:, 0] == pytest.approx(by_force[0][:, 1], rel=1e-5, abs=10)
+    within = np.linalg.norm(x, axis=1) <= STOP
+    assert (np.moveaxis(at.force, 1, -1)[within] == 0).all()
+    assert (np.moveaxis(at.slope, 1, -1)[within] == 0).all()
 
 
 def test_motions_of_several_lines_are_those_of_each_by_itself():
@@ -174,7 +183,12 @@ def test_motions_of_several_lines_are_those_of_each_by_itself():
     each = [one_mass(ratio, steady=s) for ratio, s in ((5.0, STEADY), (20.0, 3300.0), (9.0, 0.0))]
     together = StoppedLine(
         free=np.concatenate([line.free for line in each], axis=1),
-        receptance=np.concatenate([line.receptance for line in each], axis=1),
+        receptance=StopReceptance(
+            tied=np.concatenate([line.receptance.tied for line in each], axis=1),
+            alone=np.concatenate([line.receptance.alone for line in each], axis=1),
+            tied_of=np.arange(len(each)),
+            alone_of=np.arange(len(each)),
+        ),
         stiffness=np.concatenate([line.stiffness for line in each]),
         stop=np.concatenate([line.stop for line in each]),
         ratio=np.concatenate([line.ratio for line in each]),
@@ -214,13 +228,13 @@ def test_receptance_at_stop_satisfies_the_equation_of_motion(speed):
     """
     on, torque, compression, eta = line_of_two_coordinates(), 900.0, 3000.0, 0.15 * np.sign(speed)
     coupling = np.array([[20 + 5j, 8 - 12j], [8 - 12j, -15 + 9j]])
-    found = stop_receptance(
-        on, coupling, speed=np.array(speed), torque=np.array(torque),
-        compression=np.array(compression),
-    )  # fmt: skip
+    turning = {"speed": np.array(speed), "torque": np.array(torque)}
+    first = tied_receptance(on, coupling, compression=np.array(compression), **turning)
+    alone = receptance_alone(on, **turning)
     force = np.random.default_rng(2).normal(size=(1 + 2 * len(STOP_ORDERS), 2))
     across = on.bearing[0, :2]
-    moved = (found @ force.ravel()).reshape(force.shape) @ np.linalg.inv(across).T
+    moved = moved_by(first[None], alone[None], force.reshape(1, -1, 1)).reshape(force.shape)
+    moved = moved @ np.linalg.inv(across).T
     pushed = force @ across
 
     def order(values, m):
