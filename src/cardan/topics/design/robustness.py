@@ -167,15 +167,20 @@ class ToleranceModel:
         return tuple(response_with_adjustments(line, *merged) for line in lines)
 
     def margins(
-        self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray, off: FloatArray
+        self,
+        ways: tuple[PermittedAdjustment, ...],
+        amounts: FloatArray,
+        off: FloatArray,
+        *,
+        proved: bool = True,
     ) -> dict[LimitBoundName, FloatArray]:
         """Return the margins (V, M) to either bound of trucks (V, tolerances) at a setting.
 
         One by one where arrays cannot hold what scatters, as a joint's rating. A truck that
-        cannot exist has none.
+        cannot exist has none. `proved` margins hold with the spline stuck, by an upper estimate.
         """
         try:
-            found = margins_to_both_bounds(*self.responses(ways, amounts, off))
+            found = margins_to_both_bounds(*self.responses(ways, amounts, off), proved=proved)
         except (InvalidFileError, DesignError):
             if len(off) == 1:
                 raise
@@ -208,7 +213,7 @@ class ToleranceModel:
         """
         still = np.zeros((1, len(self.sampling_plan.names)))
         each = limit_of_each_margin(*self.responses(ways, amounts, still))
-        promised = self.margins(ways, amounts, still)
+        promised = self.margins(ways, amounts, still, proved=False)
         held = (promised["maximum"][0] >= -MARGIN_TOLERANCE) & [m.maximum is not None for m in each]
         calm = (promised["normal"][0] >= -MARGIN_TOLERANCE) & [m.has_warning_bound for m in each]
         if asked:
