@@ -15,7 +15,13 @@ from cardan.checks.quantities.declaration import (
     joint_indices_of_kind,
 )
 from cardan.checks.quantities.registry import LINE_QUANTITIES
-from cardan.core.arrays import ArrayLike, BoolArray, FloatArray, IntArray, broadcastable_axis_indices
+from cardan.core.arrays import (
+    ArrayLike,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    broadcastable_axis_indices,
+)
 from cardan.core.labels import EvaluationCondition, OrderCrossing, Part
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.status import ProgressCallback, ignore_status

@@ -34,7 +34,9 @@ def margins_to_both_bounds(
     """
     questions = [(r, tuple(evaluate_limits(r))) for r in responses]
     return {
-        bound: np.concatenate([_margins(r, q, to=bound, proved=proved) for r, q in questions], axis=-1)
+        bound: np.concatenate(
+            [_margins(r, q, to=bound, proved=proved) for r, q in questions], axis=-1
+        )
         for bound in LIMIT_BOUND_NAMES
     }
 

@@ -33,9 +33,10 @@ SAMPLES = 8 * HARMONIC_COUNT
 """Of the half turn, at which thrust and length are evaluated."""
 
 _ITERATIONS = 30
-"""Of Newton's method: with 16, swings of 80 mm are found at fewer speeds and with 10 % less force."""
+"""Of Newton's method: with 16, swings of 80 mm have 10 % less force."""
 _LEAST_CHANGE_M = 1e-6
 """m, of any coordinate: Newton's method ends below it."""
+
 
 def _basis() -> FloatArray:
     """Return what mean, real and imaginary parts are round the half turn, (samples, M)."""
