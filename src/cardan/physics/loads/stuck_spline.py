@@ -139,23 +139,14 @@ def followed_stuck_motion(line: StuckLine, needed: BoolArray | None = None) -> S
     X = np.zeros((Q, C, M, N + 1))
     is_found = np.zeros((Q, C), dtype=bool)
     for k in range(Q):
-        rest = _at_rest(line, k, unit)
-        tried = [rest]
-        if k:
-            last = is_found[k - 1]
-            tried.insert(0, np.where(last[:, None, None], X[k - 1], rest))
-        if k > 1:
-            both = last & is_found[k - 2]
-            tried.insert(0, np.where(both[:, None, None], 2 * X[k - 1] - X[k - 2], tried[0]))
+        tried = _starts(X[:k], is_found[:k], _at_rest(line, k, unit))
         some = np.arange(C) if needed is None else np.flatnonzero(needed[k])
-        for attempt, guess in enumerate(tried):
+        for attempt, start in enumerate(tried):
             if attempt:  # what went before has come to its end
-                differs = (guess[some] != tried[attempt - 1][some]).any((1, 2))
-                some = some[differs]
-            if not len(some):
-                continue
-            X[k, some], is_found[k, some] = _solved(line, k, guess[some], unit, some)
-            some = some[~is_found[k, some]]
+                some = some[(start[some] != tried[attempt - 1][some]).any((1, 2))]
+            if len(some):
+                X[k, some], is_found[k, some] = _solved(line, k, start[some], unit, some)
+                some = some[~is_found[k, some]]
     P = X[..., -1] * unit[:, None]
     return StuckMotion(
         coordinates=X[..., :-1],
@@ -170,6 +161,20 @@ def _at_rest(line: StuckLine, k: int, unit: FloatArray) -> FloatArray:
     found = np.zeros((len(unit), COMPONENT_COUNT, line.rest.shape[-1] + 1))
     found[:, 0, :-1], found[:, 0, -1] = line.rest[k], line.compression[k] / unit
     return found
+
+
+def _starts(before: FloatArray, are_found: BoolArray, rest: FloatArray) -> list[FloatArray]:
+    """Return where Newton's method begins, components (C, M, N + 1), the best first.
+
+    On from the last two speeds, at the last one, and from lines at rest; `before` (k, C, M, N + 1).
+    """
+    tried = [rest]
+    if len(before):
+        tried.insert(0, np.where(are_found[-1][:, None, None], before[-1], rest))
+    if len(before) > 1:
+        both = are_found[-2:].all(axis=0)[:, None, None]
+        tried.insert(0, np.where(both, 2 * before[-1] - before[-2], tried[0]))
+    return tried
 
 
 def _solved(

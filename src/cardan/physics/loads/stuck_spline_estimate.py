@@ -79,8 +79,8 @@ def held_line_wave(
     speed, torque, compression : (...) rad/s, N m, N
         Signed; the compression is that at rest.
     """
-    D = on.dynamic_stiffness(order * speed, speed, torque)
-    D = D - compression[..., None, None] * on.geometric
+    unpressed = on.dynamic_stiffness(order * speed, speed, torque)
+    D = unpressed - compression[..., None, None] * on.geometric
     both = np.stack(np.broadcast_arrays(push, slope.astype(complex)), axis=-1)
     free, per_thrust = np.moveaxis(np.linalg.solve(D, both), -1, 0)
     P = -(slope * free).sum(-1) / (slope * per_thrust).sum(-1)
