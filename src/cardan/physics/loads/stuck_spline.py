@@ -172,7 +172,7 @@ def _starts(before: FloatArray, are_found: BoolArray, rest: FloatArray) -> list[
     if len(before):
         tried.insert(0, np.where(are_found[-1][:, None, None], before[-1], rest))
     if len(before) > 1:
-        both = are_found[-2:].all(axis=0)[:, None, None]
+        both = (are_found[-1] & are_found[-2])[:, None, None]
         tried.insert(0, np.where(both, 2 * before[-1] - before[-2], tried[0]))
     return tried
 
