@@ -32,7 +32,7 @@ ROUNDING = 1e-12
 
 @pytest.fixture(scope="module", autouse=True)
 def _linear_rubber():
-    """Of a batch neither a stop of rubber nor a stuck spline is solved."""
+    """Of a batch neither a stop nor a stuck spline is solved: limits then hold its bounds."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(MountLoads, "stop_response", None)
         patch.setattr(MountLoads, "stuck_forces", None)

@@ -1,6 +1,8 @@
 """The driveline in its states: every quantity of every line against every limit."""
 
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Callable, Container, Iterable, Iterator
+from functools import cached_property, partial
+from typing import Literal
 
 import numpy as np
 
@@ -13,7 +15,13 @@ from cardan.checks.quantities.declaration import (
     joint_indices_of_kind,
 )
 from cardan.checks.quantities.registry import LINE_QUANTITIES
-from cardan.core.arrays import BoolArray, FloatArray, IntArray, broadcastable_axis_indices
+from cardan.core.arrays import (
+    ArrayLike,
+    BoolArray,
+    FloatArray,
+    IntArray,
+    broadcastable_axis_indices,
+)
 from cardan.core.labels import EvaluationCondition, OrderCrossing, Part
 from cardan.core.lazy_dataclass import dataclass
 from cardan.core.status import ProgressCallback, ignore_status
@@ -82,8 +90,8 @@ class EvaluatedLimit:
     says at which, and `own_point_values` are those at the state's own torque and speed. One that is
     required of kinds of state that are not there applies to the first, and is not evaluated. Where
     `validity_margin` (..., states, parts) is negative values are lower bounds; elsewhere it is
-    infinite. So they are where `unproved_margin` is, which only many designs at once have: values
-    with the spline stuck are not solved there.
+    infinite. `prove` returns what is certainly free of a threshold where many designs are not
+    solved in full (`Quantity.unproved_margin`).
     """
 
     limit: Limit
@@ -94,8 +102,42 @@ class EvaluatedLimit:
     own_point_values: FloatArray
     lacks_rating: BoolArray
     validity_margin: FloatArray
-    unproved_margin: FloatArray
     worst_points: LineOperatingPoints | None = None
+    prove: Callable[[ArrayLike], FloatArray | None] | None = None
+
+    @cached_property
+    def unproved_margin(self) -> FloatArray:
+        """Negative where a value that is not solved may exceed all others and the limit.
+
+        (..., states, parts), elsewhere infinite. A design that fails anyway, or whose values are
+        lower bounds, needs no proof.
+        """
+        none = np.full((1,) * self.values.ndim, np.inf)
+        bounds = [b for b in (self.limit.normal, self.limit.maximum) if b is not None]
+        if self.prove is None or not bounds:
+            return none
+        decided = self.validity_margin < -MARGIN_TOLERANCE
+        if self.limit.maximum is not None:
+            decided = decided | (self.limit.margin(self.values, to="maximum") < -MARGIN_TOLERANCE)
+        known = ~np.isnan(self.values)
+        needed = known & ~decided.any(axis=(-2, -1), keepdims=True)
+        if not needed.any():
+            return none
+        largest = np.where(known, self.values, 0.0).max(axis=(-2, -1), keepdims=True)
+        margin = self.prove(np.maximum(largest, min(bounds)))
+        if margin is None:
+            return none
+        return np.where(needed & (margin < -MARGIN_TOLERANCE), margin, np.inf)
+
+    def proved_margin(self, *, to: Literal["normal", "maximum"]) -> FloatArray:
+        """Return margins to a bound that values not solved do not fall short of either."""
+        margin = self.limit.margin(self.values, to=to)
+        bounds = self.limit.normal, self.limit.maximum
+        if self.prove is None or bounds == (None, None):
+            return margin
+        first, other = bounds if to == "normal" else bounds[::-1]
+        free = self.prove(np.asarray(other if first is None else first))
+        return margin if free is None else np.minimum(margin, free)
 
     @property
     def bound_margin(self) -> FloatArray:
@@ -168,7 +210,6 @@ def evaluate_limits(
                 may = may & given.any(axis=tuple(range(given.ndim - 2)))
             answerable = asks & there & ~lacks_rating
             answers, at_own = (np.where(answerable, v, np.nan) for v in (values, known))
-            beyond = np.where(np.isnan(answers), np.inf, holds)
             yield EvaluatedLimit(
                 limit=limit,
                 parts=parts,
@@ -177,8 +218,10 @@ def evaluate_limits(
                 values=answers,
                 own_point_values=at_own,
                 lacks_rating=lacks_rating,
-                validity_margin=np.broadcast_to(beyond, answers.shape),
-                unproved_margin=_unproved_margin(limit, quantity, response, answers, beyond),
+                validity_margin=np.broadcast_to(
+                    np.where(np.isnan(answers), np.inf, holds), answers.shape
+                ),
+                prove=quantity.unproved_margin and partial(quantity.unproved_margin, response),
                 worst_points=spots,
             )
 
@@ -235,36 +278,6 @@ def _known_with_lower_bounds(
     least = _known(quantity, response, lower_bounds=True)
     is_only_bound = beyond & np.isnan(known) & ~np.isnan(least)
     return np.where(beyond, least, known), np.where(beyond, margin, np.inf), is_only_bound
-
-
-def _unproved_margin(
-    limit: Limit,
-    quantity: Quantity,
-    response: LineResponse,
-    values: FloatArray,
-    validity_margin: FloatArray,
-) -> FloatArray:
-    """Return `EvaluatedLimit.unproved_margin` of a limit on values (..., states, parts).
-
-    A design that fails anyway, or whose values are lower bounds, needs no proof; nor does what
-    cannot exceed the limit, or the largest of the values.
-    """
-    none = np.full((1,) * values.ndim, np.inf)
-    bounds = [b for b in (limit.normal, limit.maximum) if b is not None]
-    if quantity.unproved_margin is None or not bounds:
-        return none
-    decided = validity_margin < -MARGIN_TOLERANCE
-    if limit.maximum is not None:
-        decided = decided | (limit.margin(values, to="maximum") < -MARGIN_TOLERANCE)
-    known = ~np.isnan(values)
-    needed = known & ~decided.any(axis=(-2, -1), keepdims=True)
-    if not needed.any():
-        return none
-    largest = np.where(known, values, 0.0).max(axis=(-2, -1), keepdims=True)
-    margin = quantity.unproved_margin(response, np.maximum(largest, min(bounds)))
-    if margin is None:
-        return none
-    return np.where(needed & (margin < -MARGIN_TOLERANCE), margin, np.inf)
 
 
 def _known(quantity: Quantity, response: LineResponse, *, lower_bounds: bool = False) -> FloatArray:

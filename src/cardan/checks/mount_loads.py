@@ -22,7 +22,7 @@ from cardan.checks.stuck_spline_estimate import (
     BATCH_SAFETY_FACTOR,
     stuck_force_estimate,
 )
-from cardan.core.arrays import BoolArray, FloatArray, stack_on_last_axis
+from cardan.core.arrays import ArrayLike, BoolArray, FloatArray, stack_on_last_axis
 from cardan.core.labels import OrderCrossing
 from cardan.core.lazy_dataclass import dataclass
 from cardan.model import layout
@@ -304,16 +304,16 @@ class MountLoads:
             or (thrust is not None and thrust.own_compression.ndim > 3)
         )
 
-    def unproved_margin(self, name: str, threshold: FloatArray) -> FloatArray | None:
+    def unproved_margin(self, name: str, threshold: ArrayLike) -> FloatArray | None:
         """Return the share of a force that no stuck spline exceeds for certain, (..., S, n-2) 1.
 
-        Negative where the spline that sticks may put more than `threshold` (..., 1, 1) N on a
+        Negative where the spline that sticks may put more than a `threshold` (..., 1, 1) N on a
         bearing, or take its rubber to a stop. None where forces with it are solved, or are none.
         """
         if not self._is_of_many or not (estimate := self.stuck_force_estimate):
             return None
         of = BATCH_SAFETY_FACTOR * estimate[name]
-        margin = 1 - of / threshold
+        margin = 1 - of / np.asarray(threshold)
         peak = BATCH_SAFETY_FACTOR * estimate["peak"]
         at_stop = 1 - peak / np.maximum(self.least_force_at_stop, 1.0)
         counts = of > (1 + LEAST_STUCK_EXCESS) * self.bearing_force(name)

@@ -233,10 +233,11 @@ class _LineAtPoints:
     def free(self) -> FloatArray:
         """How it moves while the spline slides, (P, S, M, N) m."""
         flat = COMPONENT_COUNT * self.push.shape[-1]
-        return np.linalg.solve(
+        found = np.linalg.solve(
             self.linear.reshape(*self.speed.shape, flat, flat),
             self.push.reshape(*self.speed.shape, flat, 1),
-        ).reshape(self.push.shape)
+        )
+        return found.reshape(self.push.shape).astype(float)
 
     def travel(self, coordinates: Any) -> Any:
         """Return how far coordinates (..., P, S, N) take the bearings across, (..., n-2, 2) m."""

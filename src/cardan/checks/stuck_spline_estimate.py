@@ -53,9 +53,7 @@ def speed_range(mounts: LineOnMounts, held: MountedLine) -> tuple[FloatArray, Fl
 def rows_at_speeds(mounts: LineOnMounts, speeds: FloatArray) -> PointRows:
     """Return points (ways x Q, ..., S) at speeds (Q, ..., S), with most torque each way."""
     ways = curves_by_direction(mounts.torque_curves)
-    curve = np.concatenate(
-        [strongest_curves(mounts.torque_curves, of, speeds)[0] for of in ways]
-    )
+    curve = np.concatenate([strongest_curves(mounts.torque_curves, of, speeds)[0] for of in ways])
     return curve, np.concatenate([speeds] * len(ways))
 
 
@@ -80,9 +78,7 @@ def stuck_force_estimate(mounts: LineOnMounts) -> dict[str, FloatArray]:
     loads = mean_line_loads(
         held, laid, inputs.line, inputs.phases, torque=torque, gravity=inputs.gravity
     )
-    at_rest = compressed_line(
-        held, forces=loads.push, spline=loads.spline_gradient, torque=torque
-    )
+    at_rest = compressed_line(held, forces=loads.push, spline=loads.spline_gradient, torque=torque)
     ahead = (torque >= 0)[None]
     pushed, drawn = np.where(ahead, *thrust.own_compression[:, :, None])
     share = np.array(CAUGHT_SHARES).reshape(-1, *(1,) * pushed.ndim)
@@ -92,7 +88,9 @@ def stuck_force_estimate(mounts: LineOnMounts) -> dict[str, FloatArray]:
     slope = loads.spline_gradient + (held.geometric @ rest[..., None])[..., 0]
     stiffness = held.stiffness_under_torque(torque) - caught[..., None, None] * held.geometric
     crests = held_line_frequencies(stiffness, held.mass, slope) / 2
-    crests = np.clip(np.moveaxis(crests, -1, 0), np.abs(own) / np.sqrt(step), np.abs(own) * np.sqrt(step))
+    crests = np.clip(
+        np.moveaxis(crests, -1, 0), np.abs(own) / np.sqrt(step), np.abs(own) * np.sqrt(step)
+    )
     crests = np.sign(own) * crests
     turned, carried = loads_of_turning_line(
         laid, inputs.line, inputs.phases, torque=torque, speed=own, inertias=how["inertias"]

@@ -8,8 +8,10 @@ import pytest
 from repository import EXAMPLES
 
 from cardan.application import reader
+from cardan.approval.applied_adjustments import all_adjustments, response_with_adjustments
 from cardan.approval.driveline_study import line_checks
 from cardan.checks.line_response import LineResponse, compute_line_response
+from cardan.checks.stuck_spline_estimate import BATCH_SAFETY_FACTOR
 from cardan.documents.criteria import condition_texts, full_condition_text
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
 from cardan.render.i18n import ENGLISH, Translator
@@ -49,7 +51,7 @@ def test_force_of_sliding_spline_counts_where_it_is_larger(collector):
     slides = ~loads.is_stuck(kind)
     assert slides.any()
     assert (
-        loads.stuck_forces.forces[kind][slides]
+        np.nan_to_num(loads.stuck_forces.forces[kind][slides])
         <= 1.01 * loads.evaluated_force(kind)[slides]
     ).all()  # fmt: skip
     state, bearing = np.argwhere(slides)[0]
@@ -62,7 +64,40 @@ def test_motion_counts_only_where_its_thrust_is_below_slip_force(collector):
     slippery = line("friction: 0.08,", "friction: 0.008,").mount_loads
     usual = collector.mount_loads.stuck_forces.forces["dynamic"]
     least = slippery.stuck_forces
-    assert least is None or np.nanmax(least.forces["dynamic"]) < 0.7 * np.nanmax(usual)
+    most = 0.0 if least is None else np.nan_to_num(least.forces["dynamic"]).max()
+    assert most < 0.7 * np.nanmax(usual)
+
+
+def test_estimate_of_many_designs_is_above_stuck_forces(collector):
+    """Where the stuck force exceeds the sliding one; a batch has the estimate of one design."""
+    loads = collector.mount_loads
+    for kind in ("dynamic", "peak"):
+        stuck = loads.is_stuck(kind)
+        assert stuck.any()
+        solved = loads.stuck_forces.forces[kind][stuck]
+        assert (BATCH_SAFETY_FACTOR * loads.stuck_force_estimate[kind][stuck] > solved).all()
+        assert (loads.stuck_force_estimate[kind][stuck] < 1.5 * solved).all()
+    shim = next(a for a in all_adjustments(collector) if a.adjustment_key == "shim")
+    batch = response_with_adjustments(collector, (shim,), np.array([[0.0], [0.01]])).mount_loads
+    assert batch.stuck_forces is None
+    assert batch.stuck_force_estimate["peak"][0] == pytest.approx(
+        loads.stuck_force_estimate["peak"], rel=1e-9
+    )
+
+
+def test_margin_is_unproved_where_estimate_exceeds_threshold(collector):
+    shim = next(a for a in all_adjustments(collector) if a.adjustment_key == "shim")
+    loads = response_with_adjustments(collector, (shim,), np.array([[0.0]])).mount_loads
+    estimate = BATCH_SAFETY_FACTOR * loads.stuck_force_estimate["dynamic"]
+    assert collector.mount_loads.unproved_margin("dynamic", 1.0) is None  # it is solved
+    margin = loads.unproved_margin("dynamic", estimate.max() / 1.1)
+    assert margin.min() < -0.0999
+    peak = BATCH_SAFETY_FACTOR * loads.stuck_force_estimate["peak"]
+    stays = (peak < loads.least_force_at_stop) | (estimate < loads.bearing_force("dynamic"))
+    free = loads.unproved_margin("dynamic", 1e9)
+    assert stays.any()
+    assert not stays.all()
+    assert ((free >= 0) == stays).all()
 
 
 def test_spline_of_unknown_radius_has_no_stuck_forces():

@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 
 from cardan.checks.line_response import LineResponse
-from cardan.core.arrays import BoolArray, FloatArray
+from cardan.core.arrays import ArrayLike, BoolArray, FloatArray
 from cardan.core.errors import DesignError
 from cardan.core.labels import WHOLE_LINE, Part
 from cardan.core.lazy_dataclass import dataclass
@@ -224,7 +224,7 @@ class Quantity:
     its `lower_bound` against them, and warn at least."""
     lower_bound: QuantityFunction | None = None
     """What it is at least beyond that range."""
-    unproved_margin: Callable[[LineResponse, FloatArray], FloatArray | None] | None = None
+    unproved_margin: Callable[[LineResponse, ArrayLike], FloatArray | None] | None = None
     """Of many designs: the share that is certainly free of a threshold (..., 1, 1), as
     `validity_margin`; None where its values are solved."""
     worst_beyond: QuantityFunction | None = None

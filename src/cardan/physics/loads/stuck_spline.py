@@ -32,12 +32,10 @@ COMPONENT_COUNT = 1 + 2 * HARMONIC_COUNT
 SAMPLES = 8 * HARMONIC_COUNT
 """Of the half turn, at which thrust and length are evaluated."""
 
-_ITERATIONS = 16
+_ITERATIONS = 30
+"""Of Newton's method: with 16, swings of 80 mm have 10 % less force."""
 _LEAST_CHANGE_M = 1e-6
 """m, of any coordinate: Newton's method ends below it."""
-
-_DIVERGED_M = 0.1
-"""m, of any coordinate: Newton's method is given up above it, halfway to the most iterations."""
 
 
 def _basis() -> FloatArray:
@@ -141,21 +139,14 @@ def followed_stuck_motion(line: StuckLine, needed: BoolArray | None = None) -> S
     X = np.zeros((Q, C, M, N + 1))
     is_found = np.zeros((Q, C), dtype=bool)
     for k in range(Q):
-        rest = _at_rest(line, k, unit)
-        before, last = is_found[k - 2] & (k > 1), is_found[k - 1] & (k > 0)
-        both = (before & last)[:, None, None]
-        start = np.where(last[:, None, None], X[k - 1], rest)
-        ahead = np.where(both, 2 * X[k - 1] - X[k - 2], start)
-        tried = [ahead, start, rest]
+        tried = _starts(X[:k], is_found[:k], _at_rest(line, k, unit))
         some = np.arange(C) if needed is None else np.flatnonzero(needed[k])
-        for attempt, guess in enumerate(tried):
+        for attempt, start in enumerate(tried):
             if attempt:  # what went before has come to its end
-                differs = (guess[some] != tried[attempt - 1][some]).any((1, 2))
-                some = some[differs]
-            if not len(some):
-                continue
-            X[k, some], is_found[k, some] = _solved(line, k, guess[some], unit, some)
-            some = some[~is_found[k, some]]
+                some = some[(start[some] != tried[attempt - 1][some]).any((1, 2))]
+            if len(some):
+                X[k, some], is_found[k, some] = _solved(line, k, start[some], unit, some)
+                some = some[~is_found[k, some]]
     P = X[..., -1] * unit[:, None]
     return StuckMotion(
         coordinates=X[..., :-1],
@@ -172,6 +163,20 @@ def _at_rest(line: StuckLine, k: int, unit: FloatArray) -> FloatArray:
     return found
 
 
+def _starts(before: FloatArray, are_found: BoolArray, rest: FloatArray) -> list[FloatArray]:
+    """Return where Newton's method begins, components (C, M, N + 1), the best first.
+
+    On from the last two speeds, at the last one, and from lines at rest; `before` (k, C, M, N + 1).
+    """
+    tried = [rest]
+    if len(before):
+        tried.insert(0, np.where(are_found[-1][:, None, None], before[-1], rest))
+    if len(before) > 1:
+        both = (are_found[-1] & are_found[-2])[:, None, None]
+        tried.insert(0, np.where(both, 2 * before[-1] - before[-2], tried[0]))
+    return tried
+
+
 def _solved(
     line: StuckLine, k: int, start: FloatArray, unit: FloatArray, cases: IntArray
 ) -> tuple[FloatArray, BoolArray]:
@@ -181,7 +186,7 @@ def _solved(
     """
     X, ok = start.copy(), np.zeros(len(start), dtype=bool)
     some = np.arange(len(start))
-    for iteration in range(_ITERATIONS):
+    for _ in range(_ITERATIONS):
         own = cases[some]
         with np.errstate(over="ignore", invalid="ignore"):  # where it diverges
             step = _newton_step(line, k, X[some], own, unit[own])
@@ -189,8 +194,7 @@ def _solved(
         X[some] -= step
         change = np.abs(step).max((1, 2))
         ok[some[change < _LEAST_CHANGE_M]] = True
-        diverges = (change > _DIVERGED_M) & (iteration >= _ITERATIONS // 2)
-        some = some[(change >= _LEAST_CHANGE_M) & ~diverges]
+        some = some[change >= _LEAST_CHANGE_M]
         if not len(some):
             break
     return X, ok

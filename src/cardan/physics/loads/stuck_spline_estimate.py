@@ -2,7 +2,7 @@ r"""Upper estimate of a line whose spline is held: its length's slope at rest al
 
 Linear about the line at rest under a compression P₀, with s = g + G q₀ its spline's slope there:
 
-$$D_2\, q_2 = f_2 + T K_2\, q_0 + s\, p_2, \qquad s' q_2 = 0, \qquad D = K + T K_T - P_0 G - W^2 M + \ldots$$
+$$D\, q_2 = f_2 + T K_2\, q_0 + s\, p_2, \quad s' q_2 = 0, \quad D = K + T K_T - P_0 G - W^2 M$$
 
 One bordered solution for each point, where Newton's method has orders 0 to 6 at once. The square
 of the length, which is left out here, stiffens the line and draws its spline, so it takes force
@@ -79,8 +79,8 @@ def held_line_wave(
     speed, torque, compression : (...) rad/s, N m, N
         Signed; the compression is that at rest.
     """
-    D = on.dynamic_stiffness(order * speed, speed, torque)
-    D = D - compression[..., None, None] * on.geometric
+    unpressed = on.dynamic_stiffness(order * speed, speed, torque)
+    D = unpressed - compression[..., None, None] * on.geometric
     both = np.stack(np.broadcast_arrays(push, slope.astype(complex)), axis=-1)
     free, per_thrust = np.moveaxis(np.linalg.solve(D, both), -1, 0)
     P = -(slope * free).sum(-1) / (slope * per_thrust).sum(-1)

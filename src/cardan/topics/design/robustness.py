@@ -168,15 +168,20 @@ class ToleranceModel:
         return tuple(response_with_adjustments(line, *merged) for line in lines)
 
     def margins(
-        self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray, off: FloatArray
+        self,
+        ways: tuple[PermittedAdjustment, ...],
+        amounts: FloatArray,
+        off: FloatArray,
+        *,
+        proved: bool = True,
     ) -> dict[LimitBoundName, FloatArray]:
         """Return the margins (V, M) to either bound of trucks (V, tolerances) at a setting.
 
         One by one where arrays cannot hold what scatters, as a joint's rating. A truck that
-        cannot exist has none.
+        cannot exist has none. `proved` margins hold with the spline stuck, by an upper estimate.
         """
         try:
-            found = margins_to_both_bounds(*self.responses(ways, amounts, off))
+            found = margins_to_both_bounds(*self.responses(ways, amounts, off), proved=proved)
         except (InvalidFileError, DesignError):
             if len(off) == 1:
                 raise
@@ -207,8 +212,9 @@ class ToleranceModel:
             How many trucks are evaluated each by itself; 0 takes margins as parabolas of what
             scatters, and 4096 of them.
         """
+        still = np.zeros((1, len(self.sampling_plan.names)))
         each = self._limits(ways)
-        promised = {to: m[:1] for to, m in self._margins_about(ways, amounts).items()}
+        promised = self.margins(ways, amounts, still, proved=False)
         held = (promised["maximum"][0] >= -MARGIN_TOLERANCE) & [m.maximum is not None for m in each]
         calm = (promised["normal"][0] >= -MARGIN_TOLERANCE) & [m.has_warning_bound for m in each]
         if asked:

@@ -470,11 +470,14 @@ def _spoilt(
             was = evaluate_limits(line, quantities={key})
             for now, then in zip(was, after.limits(key), strict=True):
                 shape = (len(after.moves), *now.values.shape)
-                names = ("values", "validity_margin", "unproved_margin")
-                own = {n: np.broadcast_to(getattr(then, n), shape)[rows] for n in names}
-                then = replace(then, **own, worst_points=None)
+                values, holds = (
+                    np.broadcast_to(v, shape)[rows] for v in (then.values, then.bound_margin)
+                )
+                then = replace(
+                    then, values=values, validity_margin=holds, prove=None, worst_points=None
+                )
                 for k, p in np.argwhere(_worst_grades(then) > _worst_grades(now)).tolist():
-                    one = replace(then, **{n: values[k] for n, values in own.items()})
+                    one = replace(then, values=values[k], validity_margin=holds[k])
                     checks = (check_limit_at_part(line, one, s, p) for s in range(shape[1]))
                     told = (c for c in (found.get(of[k]), *checks) if c)
                     found[of[k]] = min(told, key=worst_first_key)

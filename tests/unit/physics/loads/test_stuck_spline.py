@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.linalg import eigh, null_space
 from test_spline_thrust import GVW, LINE, RESPONSE, STIFFNESS, TORQUE
 
 from cardan.physics.kinematics.joint_chain import rotate_chain
@@ -14,6 +15,7 @@ from cardan.physics.loads.stuck_spline import (
     followed_stuck_motion,
     stiffness_of_orders,
 )
+from cardan.physics.loads.stuck_spline_estimate import held_line_frequencies, held_line_wave
 
 MASS, STIFF, DAMPED = np.array([20.0, 25.0]), np.array([200e3, 120e3]), np.array([600.0, 400.0])
 SPEEDS = np.linspace(20.0, 60.0, 41)
@@ -131,3 +133,49 @@ def test_line_whose_spline_slides_moves_as_harmonic_balance_has_it(speed):
     assert x[0] == pytest.approx(still.coordinates.real, rel=1e-3, abs=1e-6)
     assert x[1] + 1j * x[2] == pytest.approx(twice.coordinates, rel=1e-3, abs=1e-6)
     assert x[3] + 1j * x[4] == pytest.approx(fourth.coordinates, rel=0.02, abs=1e-6)
+
+
+@pytest.mark.parametrize("size", [2, 4])
+def test_modes_of_line_of_fixed_length_are_those_across_its_slope(size):
+    """Independent: stiffness and mass on a basis of the motions that keep the length."""
+    rng = np.random.default_rng(size)
+    root, mass = rng.normal(size=(size, size)), np.diag(rng.uniform(5, 30, size))
+    stiffness, slope = root @ root.T * 1e5, rng.normal(size=size)
+    across = null_space(slope[None])
+    each = eigh(across.T @ stiffness @ across, across.T @ mass @ across, eigvals_only=True)
+    found = held_line_frequencies(stiffness, mass, slope)
+    assert found == pytest.approx(np.sqrt(each), rel=1e-6)
+
+
+def test_linear_wave_of_fixed_length_is_that_of_harmonic_balance_for_small_motions():
+    """With a thousandth of the force the length's square makes no difference."""
+    turned = rotate_chain(GVW.directions, phases=RESPONSE.phases[2], samples=16)
+    held = mounted_line(GVW, LINE, stiffness=STIFFNESS, sines=0)
+    moments = joint_loads(GVW, turned, LINE, torque=TORQUE).joint_moments
+    push = 1e-3 * held.forces_from_joint_moments(moments.order(2))
+    slope = held.spline_gradient(GVW.directions[-2])
+    speed, torque, N = np.array([25.0]), np.array([0.0]), len(held.mass)
+    wave = held_line_wave(
+        held, push[None], slope[None], order=2, speed=speed, torque=torque, compression=np.zeros(1)
+    )
+    both = np.zeros((1, 1, COMPONENT_COUNT, N))
+    both[0, 0, 1], both[0, 0, 2] = push.real, push.imag
+    none = np.zeros((N, N), dtype=complex)
+    linear = stiffness_of_orders(held, none, speed=speed, torque=torque)
+    found = followed_stuck_motion(
+        StuckLine(
+            linear=linear[:, None], push=both, spline=slope[None, None],
+            geometric=held.geometric[None], rest=np.zeros((1, 1, N)), compression=np.zeros((1, 1)),
+        )
+    )  # fmt: skip
+    x = found.coordinates[0, 0, 1] + 1j * found.coordinates[0, 0, 2]
+    assert x == pytest.approx(wave.coordinates[0], rel=1e-3, abs=1e-9)
+    assert np.abs(slope @ wave.coordinates[0]) < 1e-12
+
+
+def test_motions_that_are_not_needed_are_not_solved():
+    line = two_masses(np.array([0.6, -0.8]), np.array([300.0, 100.0]))
+    needed = np.arange(len(SPEEDS))[:, None] > 20
+    some, every = followed_stuck_motion(line, needed), followed_stuck_motion(line)
+    assert (some.is_found == needed).all()
+    assert some.coordinates[21:] == pytest.approx(every.coordinates[21:], rel=1e-6, abs=1e-9)

@@ -68,7 +68,6 @@ def agrees(found, k, checks, verdict):
 def linear_rubber(monkeypatch):
     """Single checks that do not solve a stop, as a batch does not: their forces are its bounds."""
     monkeypatch.setattr(MountLoads, "stop_response", None)
-    monkeypatch.setattr(MountLoads, "stuck_forces", None)
 
 
 @pytest.mark.slow
