@@ -86,7 +86,8 @@ def fix(
 
     Prints one screen; --all prints all of each proposal. Moves centre bearings, the axle's shim
     and yoke phases within what the file's `adjust` allows, in the steps of a workshop, and ranks
-    by the verdict, by how many trucks keep it as they scatter, and by cost. --hold
+    by the verdict, by criteria exceeded, by warnings, by how many trucks keep it as they scatter,
+    and by cost. --hold
     bearing_height, or --hold "phase 2", leaves that where it is. --write OUT writes the file as
     the first proposal changes it, in its own slopes, lengths or points. Exit code 0 where a check
     of the file changed as the first proposal says would end so, else 1; where there is no

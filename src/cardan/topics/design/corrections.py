@@ -244,9 +244,10 @@ def find_corrections(
     Returns
     -------
     tuple of Correction
-        Best verdict first, then what most trucks survive as they scatter, then the cheapest.
-        None comes to a worse verdict than the line as installed, or to more criteria exceeded,
-        nor is it beaten by that or by another that costs less and leaves more margin.
+        Best verdict first, then fewest criteria exceeded, fewest warnings, what most trucks
+        survive as they scatter, and the cheapest. None comes to a worse verdict than the line as
+        installed, or to more criteria exceeded, nor is it beaten by another that stands as well,
+        costs less and leaves more margin.
 
     Raises
     ------
@@ -255,10 +256,12 @@ def find_corrections(
 
     Notes
     -----
-    It looks for the largest smallest margin, and the least ways to where nothing warns and
-    nothing fails. If a workshop's settings are few all of them are evaluated. Of more, spread
-    trials find the region and sequential quadratic programming the place in it. Other lines and
-    studies evaluate the result, not while it goes on.
+    It looks for the largest smallest margin, the least ways to where nothing warns and nothing
+    fails, and where the fewest criteria are exceeded. If a workshop's settings are few all of them
+    are evaluated. Of more, spread trials find the region and sequential quadratic programming the
+    place in it. All that are tried are evaluated in batches, in which forces at a stop are taken
+    to be as much above those of linear rubber as they are of the line as installed; the best are
+    then evaluated in full. Other lines and studies evaluate the result, not while it goes on.
     """
     require_no_placeholders(application)
     lines = {
