@@ -170,8 +170,7 @@ class Approval(approvals.Approval):
         """Return the values of a quantity by line, state and part, in the unit it is shown in.
 
         Of the driveline every one, whether a limit applies to it or not; of another study
-        those that it held against a limit. As checks have them: with rubber at its stop, and the
-        spline stuck, where that is solved, else a lower bound (`is_lower_bound`).
+        those that it held against a limit. Solved with rubber at its stop, or lower bounds there.
         """
         if key not in QUANTITIES or not (key in LINE_QUANTITIES or key in LIMITABLE_QUANTITIES):
             msg = (
@@ -183,15 +182,12 @@ class Approval(approvals.Approval):
         if key not in LINE_QUANTITIES:
             found = [
                 QuantityValue(
-                    line=c.line,
-                    when=c.when,
-                    part=c.part,
-                    value=c.value / q.si_factor,
-                    is_lower_bound=c.is_lower_bound,
+                    line=c.line, when=c.when, part=c.part,
+                    value=c.value / q.si_factor, is_lower_bound=c.is_lower_bound,
                 )
                 for c in self.checks
                 if c.quantity == key
-            ]
+            ]  # fmt: skip
         else:
             assert q.parts is not None
             found = [

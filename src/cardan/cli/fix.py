@@ -93,11 +93,10 @@ def fix(
     of the file changed as the first proposal says would end so, else 1; where there is no
     proposal, as a check of the file.
     """
-    from cardan.approval.approval import approve_application
     from cardan.documents.corrections_screen import correction_screen_lines
     from cardan.render.i18n import Translator
     from cardan.render.text_layout import fold_lines
-    from cardan.topics.design.corrections import find_corrections as search
+    from cardan.topics.design.corrections import evaluate_corrections
     from cardan.topics.design.presentation import correction_lines
     from cardan.topics.design.sensitivity import check_sensitivities
 
@@ -114,12 +113,14 @@ def fix(
         add_file_position_to_errors(file, application),
         progress_line(say("looking for corrections"), quiet=quiet) as tell,
     ):
-        found = search(application, line=line, hold=hold, count=count, draws=draws, tell=tell)
+        results = evaluate_corrections(
+            application, line=line, hold=hold, count=count, draws=draws, tell=tell
+        )
+    found, installed = results.proposals, results.installed
     if json_out is not None:
         from cardan.topics.design.corrections_json_presentation import corrections_json
 
         write_json(corrections_json(found), json_out)
-    installed = found[0].installed_approval if found else approve_application(application)
     if json_out != "-":
         helps = () if found or hold else check_sensitivities(installed, line=line)
         wide = terminal_width()

@@ -555,8 +555,9 @@ def test_trial_is_beaten_only_by_one_that_stands_as_well_costs_and_leaves_no_les
         )
 
     few, cheap, wide = trial((3, 2), 2.2, -3.5), trial((3, 5), 0.3, -3.6), trial((3, 5), 1.0, -2.9)
-    beaten = [trial((3, 5), 0.7, -3.6), trial((3, 6), 2.2, -3.495)]
-    assert corrections._unbeaten([*beaten, wide, cheap, few]) == [few, cheap, wide]
+    installed = trial((3, 5), 0.0, -3.7)
+    beaten = [trial((3, 5), 0.7, -3.6), trial((3, 6), 2.2, -3.495), trial((3, 6), 0.1, -3.7)]
+    assert corrections._unbeaten(installed, [*beaten, wide, cheap, few]) == [few, cheap, wide]
 
 
 def test_settings_are_evaluated_once_in_batches(monkeypatch):
