@@ -283,11 +283,11 @@ class ToleranceModel:
             found = margins_to_both_bounds(*self.responses(ways, *trucks))
         except (InvalidFileError, DesignError):
             return
-        whole = {to: np.broadcast_to(m, (len(trucks[1]), m.shape[-1])) for to, m in found.items()}
+        rows = len(trucks[1])
         for k, setting in enumerate(new):
-            rows = slice(k * count, (k + 1) * count)
             self._known_margins[ways, tuple(setting.tolist())] = {
-                to: m[rows] for to, m in whole.items()
+                to: np.broadcast_to(m, (rows, m.shape[-1]))[k * count : (k + 1) * count]
+                for to, m in found.items()
             }
 
     @cached_property
