@@ -170,7 +170,7 @@ class Approval(approvals.Approval):
         """Return the values of a quantity by line, state and part, in the unit it is shown in.
 
         Of the driveline every one, whether a limit applies to it or not; of another study
-        those that it held against a limit.
+        those that it held against a limit. Solved with rubber at its stop, or lower bounds there.
         """
         if key not in QUANTITIES or not (key in LINE_QUANTITIES or key in LIMITABLE_QUANTITIES):
             msg = (
@@ -181,10 +181,13 @@ class Approval(approvals.Approval):
         q = QUANTITIES[key]
         if key not in LINE_QUANTITIES:
             found = [
-                QuantityValue(line=c.line, when=c.when, part=c.part, value=c.value / q.si_factor)
+                QuantityValue(
+                    line=c.line, when=c.when, part=c.part,
+                    value=c.value / q.si_factor, is_lower_bound=c.is_lower_bound,
+                )
                 for c in self.checks
                 if c.quantity == key
-            ]
+            ]  # fmt: skip
         else:
             assert q.parts is not None
             found = [
@@ -192,11 +195,13 @@ class Approval(approvals.Approval):
                     line=r.line.name,
                     when=EvaluationCondition("state", state),
                     part=part,
-                    value=float(v),
+                    value=float(v) / q.si_factor,
+                    is_lower_bound=bool(bound),
                 )
                 for r in self.line_responses
-                for state, row in zip(r.demand.states, q.values(r) / q.si_factor, strict=True)
-                for part, v in zip(q.parts(r), row, strict=True)
+                for values, bounds in (q.values_and_bounds(r),)
+                for state, row, least in zip(r.demand.states, values, bounds, strict=True)
+                for part, v, bound in zip(q.parts(r), row, least, strict=True)
             ]
         return QuantityValues(quantity=key, unit=q.unit_symbol, values=tuple(found))
 
@@ -243,16 +248,21 @@ class Approval(approvals.Approval):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class QuantityValue:
-    """A number in the unit its quantity is shown in, and of what it is."""
+    """A number in the unit its quantity is shown in, and of what it is.
+
+    The quantity may be more than a lower bound, as a force where rubber goes beyond its stop.
+    """
 
     line: str
     when: EvaluationCondition
     part: Part
     value: float
+    is_lower_bound: bool = False
 
     def __repr__(self) -> str:
         where = ENGLISH.join(self.line, ENGLISH.occasion(self.when), ENGLISH.part(self.part))
-        return f"{where}: {ENGLISH.number(self.value)}"
+        least = ">= " if self.is_lower_bound else ""
+        return f"{where}: {least}{ENGLISH.number(self.value)}"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -279,6 +289,7 @@ class QuantityValues:
                 "part": [str(v.part) for v in self.values],
                 "value": [v.value for v in self.values],
                 "unit": [self.unit] * len(self.values),
+                "is_lower_bound": [v.is_lower_bound for v in self.values],
             }
         )
 

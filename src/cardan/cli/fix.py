@@ -86,17 +86,17 @@ def fix(
 
     Prints one screen; --all prints all of each proposal. Moves centre bearings, the axle's shim
     and yoke phases within what the file's `adjust` allows, in the steps of a workshop, and ranks
-    by the verdict, by how many trucks keep it as they scatter, and by cost. --hold
+    by the verdict, by criteria exceeded, by warnings, by how many trucks keep it as they scatter,
+    and by cost. --hold
     bearing_height, or --hold "phase 2", leaves that where it is. --write OUT writes the file as
     the first proposal changes it, in its own slopes, lengths or points. Exit code 0 where a check
     of the file changed as the first proposal says would end so, else 1; where there is no
     proposal, as a check of the file.
     """
-    from cardan.approval.approval import approve_application
     from cardan.documents.corrections_screen import correction_screen_lines
     from cardan.render.i18n import Translator
     from cardan.render.text_layout import fold_lines
-    from cardan.topics.design.corrections import find_corrections as search
+    from cardan.topics.design.corrections import evaluate_corrections
     from cardan.topics.design.presentation import correction_lines
     from cardan.topics.design.sensitivity import check_sensitivities
 
@@ -113,12 +113,14 @@ def fix(
         add_file_position_to_errors(file, application),
         progress_line(say("looking for corrections"), quiet=quiet) as tell,
     ):
-        found = search(application, line=line, hold=hold, count=count, draws=draws, tell=tell)
+        results = evaluate_corrections(
+            application, line=line, hold=hold, count=count, draws=draws, tell=tell
+        )
+    found, installed = results.proposals, results.installed
     if json_out is not None:
         from cardan.topics.design.corrections_json_presentation import corrections_json
 
         write_json(corrections_json(found), json_out)
-    installed = found[0].installed_approval if found else approve_application(application)
     if json_out != "-":
         helps = () if found or hold else check_sensitivities(installed, line=line)
         wide = terminal_width()

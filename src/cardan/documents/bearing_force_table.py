@@ -24,7 +24,7 @@ SPEED_COUNT = 40
 COLUMNS = (
     "line", "state", "gear", "mode", "speed_rpm", "torque_Nm", "bearing", "order", "frequency_Hz",
     "Fx_N", "Fy_N", "Fz_N", "phase_x_deg", "phase_y_deg", "phase_z_deg", "F_N",
-    "lower_bound",
+    "lower_bound", "stuck_spline",
 )  # fmt: skip
 
 
@@ -37,6 +37,8 @@ def bearing_force_csv(responses: Iterable[LineResponse]) -> str:
     the spline thrust that makes it largest. F_N is 0-to-peak along the longer axis of the ellipse.
     Order 1 is of permissible unbalance, whose heavy spots are unknown: it has F_N alone.
     `lower_bound` is 1 where linear rubber would go beyond its stop: forces are at least these.
+    Forces are those of a line whose spline slides: `stuck_spline` is 1 in a state in which the
+    verdict has more of that bearing, with friction holding the spline.
 
     Raises
     ------
@@ -60,7 +62,7 @@ def bearing_force_csv(responses: Iterable[LineResponse]) -> str:
 def _rows(r: LineResponse) -> Iterator[tuple[Any, ...]]:
     """Yield the rows of a line, states first, then curves by speed."""
     p = _points(r)
-    beyond = _beyond_stop(r, p)
+    beyond, stuck = _beyond_stop(r, p), _is_larger_with_spline_stuck(r)
     for s, state in enumerate(r.demand.states):
         seen: set[tuple[int, str]] = set()
         for k in np.lexsort((p.speed[:, s], p.curve_index[:, s])).tolist():
@@ -84,7 +86,7 @@ def _rows(r: LineResponse) -> Iterator[tuple[Any, ...]]:
             for b in range(r.line.joint_count - 2):
                 for order, *forces in _orders(p.results, (k, s, b)):
                     frequency = _number(order * speed / (2 * np.pi))
-                    yield *at, b + 1, order, frequency, *forces, int(beyond[k, s])
+                    yield *at, b + 1, order, frequency, *forces, int(beyond[k, s]), int(stuck[s, b])
 
 
 def _beyond_stop(r: LineResponse, p: OperatingPointResults) -> BoolArray:
@@ -96,6 +98,12 @@ def _beyond_stop(r: LineResponse, p: OperatingPointResults) -> BoolArray:
         return np.zeros(p.speed.shape, dtype=bool)
     goes = r.mounts.bearing_forces_at_points(p.curve_index, p.speed, gives=True).results.peak
     return (goes > r.mount_loads.rubber_stop_travel * (1 + MARGIN_TOLERANCE)).any(axis=-1)
+
+
+def _is_larger_with_spline_stuck(r: LineResponse) -> BoolArray:
+    """Return of which bearings in which states (S, n-2) a stuck spline makes a force larger."""
+    stuck = r.mount_loads.is_stuck("dynamic") | r.mount_loads.is_stuck("peak")
+    return np.broadcast_to(stuck, (len(r.demand.states), r.line.joint_count - 2))
 
 
 def _points(r: LineResponse) -> OperatingPointResults:

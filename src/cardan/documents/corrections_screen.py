@@ -159,9 +159,11 @@ def _proposal_lines(
         moves = "; ".join(correction_text(m, say) for m in p.adjustments)
         trucks = percent_text(p.tolerance_yield.share, say, digits=0) if p.tolerance_yield else "-"
         cost = say.compact_number(round(p.cost, 2))
-        rows.append(
-            (str(k), moves, say(SHORT_VERDICT_TEXTS[p.verdict]), *_counts(p.approval), trucks, cost)
-        )
+        exceeded, warnings = _counts(p.approval)
+        if new := _newly_exceeded_count(p):
+            exceeded = say("{count} ({new} new)", count=exceeded, new=new)
+        verdict = say(SHORT_VERDICT_TEXTS[p.verdict])
+        rows.append((str(k), moves, verdict, exceeded, warnings, trucks, cost))
     for shown in range(len(rows), 1, -1):
         first, *lines = table_lines(head, rows[:shown], width, right=(3, 4, 5, 6))
         rest = len(rows) - shown
@@ -177,6 +179,15 @@ def _counts(of: Approval) -> tuple[str, str]:
     """Return how many criteria are exceeded, and beyond recommended."""
     number = Counter(c.grade for c in criteria_of(of.checks))
     return str(number["fail"]), str(number["warn"])
+
+
+def _newly_exceeded_count(p: Correction) -> int:
+    """Return how many criteria a correction exceeds that are not exceeded as installed."""
+    before, after = (
+        {c.key for c in criteria_of(a.checks) if c.grade == "fail"}
+        for a in (p.installed_approval, p.approval)
+    )
+    return len(after - before)
 
 
 # --------------------------------------------------------------------------- what changes

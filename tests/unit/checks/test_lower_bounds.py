@@ -133,6 +133,21 @@ def test_screens_and_tables_mark_and_explain_lower_bounds(tmp_path, torque, beyo
     assert {row["lower_bound"] for row in slow} == {"0"}
 
 
+@pytest.mark.usefixtures("unsolved")
+@pytest.mark.parametrize(("torque", "beyond"), [(WITHIN, False), (BEYOND, True)])
+def test_quantity_in_python_is_what_the_verdict_has_and_says_where_a_bound(torque, beyond):
+    """It was linear rubber's force, less than the bound that the verdict is of."""
+    found = cardan.check(reader.loads(text(torque)))
+    listed = found.quantity("centre_bearing_peak")
+    checks = {(c.when, c.part): c for c in found.checks if c.quantity == "centre_bearing_peak"}
+    assert len(listed.values) == len(checks) > 0
+    for v in listed.values:
+        check = checks[v.when, v.part]
+        assert (v.value, v.is_lower_bound) == (check.value, check.is_lower_bound)
+        assert (">= " in repr(v)) == v.is_lower_bound == beyond
+    assert listed.to_frame()["is_lower_bound"].tolist() == [beyond] * len(checks)
+
+
 def test_load_cases_of_bracket_beyond_stop_are_lower_bounds():
     bracket = Bracket(shape=SHAPE, material=PLAIN)
     for torque, beyond in ((WITHIN, False), (BEYOND, True)):

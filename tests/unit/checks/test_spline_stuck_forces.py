@@ -1,5 +1,7 @@
 """Bearing forces while friction holds the spline: where they count, and where they do not."""
 
+import csv
+import io
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from cardan.approval.applied_adjustments import all_adjustments, response_with_a
 from cardan.approval.driveline_study import line_checks
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.checks.stuck_spline_estimate import BATCH_SAFETY_FACTOR
+from cardan.documents.bearing_force_table import bearing_force_csv
 from cardan.documents.criteria import condition_texts, full_condition_text
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
 from cardan.render.i18n import ENGLISH, Translator
@@ -123,6 +126,17 @@ def test_condition_says_spline_stuck(collector):
     slides = replace(found, point=replace(found.point, is_spline_stuck=False))
     assert "spline" not in check_location(slides, ENGLISH)
     assert "spline" not in check_json(slides)["point"]
+
+
+def test_table_of_forces_marks_where_the_verdict_has_more_with_spline_stuck(collector):
+    """At full rebound in the first bearing: forces listed are those of a spline that slides."""
+    rows = list(csv.DictReader(io.StringIO(bearing_force_csv([collector]))))
+    marked = {(r["state"], r["bearing"]) for r in rows if r["stuck_spline"] == "1"}
+    loads, states = collector.mount_loads, collector.demand.states
+    stuck = loads.is_stuck("dynamic") | loads.is_stuck("peak")
+    assert marked == {(states[s], str(b + 1)) for s, b in np.argwhere(stuck)}
+    assert ("full rebound", "1") in marked
+    assert len(marked) < stuck.size
 
 
 def test_motion_beyond_stop_is_a_lower_bound(collector):

@@ -96,6 +96,19 @@ def test_proposal_row_counts_criteria_and_names_moves(proposals):
     assert proposals[0].verdict == "pass"
 
 
+def test_proposal_row_counts_criteria_newly_exceeded(proposals):
+    """It said 1 exceeded before and after, where another one was."""
+    other = replace(FORCE, maximum=4000.0)
+    before, after = [peak(5600.0), peak(3500.0, other)], [peak(4900.0), peak(4100.0, other)]
+    new = with_checks(proposals[0], before, after)
+    kept = with_checks(proposals[0], before, [peak(5500.0), peak(3500.0, other)])
+    for of, said in ((new, r"1 \(1 new\)"), (kept, "1")):
+        (row,) = (line for line in screen((of,)) if line.startswith("1  pinion"))
+        assert re.search(rf" not approved +{said} +1 ", row)
+    (row,) = (line for line in screen((new,), "pt") if line.startswith("1  "))
+    assert "1 (novos: 1)" in row
+
+
 @pytest.mark.parametrize("code", LANGUAGE_CODES)
 def test_screen_of_many_changes_stays_one_screen(proposals, code):
     limits = [replace(FORCE, maximum=5000.0 + k) for k in range(40)]

@@ -27,7 +27,10 @@ from cardan.topics.design.sensitivity import force_crests
 MIN_MARGIN_AFTER_CORRECTION = 0.02
 """Margin the least correction keeps, so that rounding it does not undo it."""
 
-SPREAD_TRIALS_PER_ADJUSTMENT = 48
+GOLDEN_RATIO_STEPS = 40
+"""Steps of a fixed point that each halve its error at least: to rounding."""
+
+SPREAD_TRIALS_PER_ADJUSTMENT = 24
 """Trials spread over each way that is free before the search follows the best of them."""
 
 MIN_MARGIN_CHANGE = 1e-9
@@ -62,7 +65,7 @@ BACKTRACKING_FRACTIONS = np.linspace(0.0, 1.0, 17)[:, None]
 ROUNDED_TRIALS = 3
 """Spread trials with the fewest criteria exceeded that are rounded to what a workshop can set."""
 
-MIN_SOLVER_GAIN, MAX_STALLED_STEPS = 1e-3, 5
+MIN_SOLVER_GAIN, MAX_STALLED_STEPS = 1e-3, 4
 """Gain, as a share, and steps in a row with less of it, after which a search by slopes ends."""
 
 SETTING_DECIMALS = 12
@@ -363,7 +366,11 @@ class CorrectionSearch:
             margin, least = asked[bound], self.least_margins(settings, to=bound)
             top = settings[(least >= least.max() - MIN_MARGIN_CHANGE).argmax()]
             yield top
-            for needed in (0.0, self.reserve(top, to=bound)):
+            most = margin.min(-1).max()
+            reserve = (
+                self.reserve(top, to=bound) if most >= MIN_MARGIN_AFTER_CORRECTION else None
+            )  # which needs a batch, and is no less than that
+            for needed in (0.0, reserve):
                 if needed is not None and (keeps := (margin >= needed).all(-1)).any():
                     yield settings[keeps.argmax()]
 
@@ -517,10 +524,15 @@ def _set(way: PermittedAdjustment) -> FloatArray:
 
 
 def spread_positions(ways: int, *, trials: int = SPREAD_TRIALS_PER_ADJUSTMENT) -> FloatArray:
-    """Return positions (V, ways) spread over all ways, the middle first."""
-    positions = np.random.default_rng(1).uniform(-1, 1, (1 + trials * ways, ways))
-    positions[0] = 0.0
-    return positions
+    """Return positions (V, ways) spread evenly over all ways, the middle first.
+
+    Source: Roberts (2018), an additive recurrence by powers of the generalised golden ratio.
+    """
+    ratio = 2.0
+    for _ in range(GOLDEN_RATIO_STEPS):  # the root above 1 of x^(ways + 1) = x + 1
+        ratio = (1.0 + ratio) ** (1.0 / (ways + 1))
+    step = ratio ** -np.arange(1.0, ways + 1)
+    return 2 * ((0.5 + np.arange(1 + trials * ways)[:, None] * step) % 1) - 1
 
 
 def changed_margins(asked: BoundMargins) -> BoolArray:

@@ -149,6 +149,11 @@ class _CorrectionCandidate:
         return self.standing, self.cost, -self.margin
 
     @property
+    def expected_gain(self) -> tuple[tuple[int, int], float]:
+        """What it is evaluated in full by before the search has ended: the least is the best."""
+        return self.expected, -self.expected_margin
+
+    @property
     def gain(self) -> tuple[Standing, float]:
         """What it is shown by before the search has ended: the least is the best."""
         return self.standing, -self.margin
@@ -208,6 +213,14 @@ class _CorrectedLineStudy(DrivelineStudy):
         )
 
 
+@dataclass(frozen=True, kw_only=True)
+class CorrectionResults:
+    """The approval of an application as installed, and the corrections proposed, best first."""
+
+    installed: Approval
+    proposals: tuple[Correction, ...]
+
+
 def find_corrections(
     application: Application,
     *,
@@ -218,6 +231,22 @@ def find_corrections(
     tell: Callable[[int, int], None] | None = None,
     show: Callable[[Correction], None] | None = None,
 ) -> tuple[Correction, ...]:
+    """Propose corrections of a line, for all its states at once, as `evaluate_corrections`."""
+    return evaluate_corrections(
+        application, line=line, hold=hold, count=count, draws=draws, tell=tell, show=show
+    ).proposals
+
+
+def evaluate_corrections(
+    application: Application,
+    *,
+    line: str | None = None,
+    hold: Collection[str] = (),
+    count: int = 6,
+    draws: int = 0,
+    tell: Callable[[int, int], None] | None = None,
+    show: Callable[[Correction], None] | None = None,
+) -> CorrectionResults:
     """Propose corrections of a line, for all its states at once.
 
     Parameters
@@ -243,10 +272,11 @@ def find_corrections(
 
     Returns
     -------
-    tuple of Correction
-        Best verdict first, then what most trucks survive as they scatter, then the cheapest.
-        None comes to a worse verdict than the line as installed, or to more criteria exceeded,
-        nor is it beaten by that or by another that costs less and leaves more margin.
+    CorrectionResults
+        Best verdict first, then fewest criteria exceeded, fewest warnings, what most trucks
+        survive as they scatter, and the cheapest. None comes to a worse verdict than the line as
+        installed, or to more criteria exceeded, nor is it beaten by another that stands as well,
+        costs less and leaves more margin.
 
     Raises
     ------
@@ -255,10 +285,12 @@ def find_corrections(
 
     Notes
     -----
-    It looks for the largest smallest margin, and the least ways to where nothing warns and
-    nothing fails. If a workshop's settings are few all of them are evaluated. Of more, spread
-    trials find the region and sequential quadratic programming the place in it. Other lines and
-    studies evaluate the result, not while it goes on.
+    It looks for the largest smallest margin, the least ways to where nothing warns and nothing
+    fails, and where the fewest criteria are exceeded. If a workshop's settings are few all of them
+    are evaluated. Of more, spread trials find the region and sequential quadratic programming the
+    place in it. All that are tried are evaluated in batches, in which forces at a stop are taken
+    to be as much above those of linear rubber as they are of the line as installed; the best are
+    then evaluated in full. Other lines and studies evaluate the result, not while it goes on.
     """
     require_no_placeholders(application)
     lines = {
@@ -283,12 +315,14 @@ def find_corrections(
             showing.all((t,))
     installed = found.pop((), None)
     if installed is None:  # nothing that may be moved changes anything
-        return ()
-    standing = _approval(lines, response, installed)
+        return CorrectionResults(installed=_approval(lines, response), proposals=())
+    standing = _approval(lines, response)
     proposals: dict[tuple[AppliedAdjustment, ...], Correction] = {}
     evaluated: list[_CorrectionCandidate] = []
     for t in _worth_evaluating(found.values(), installed):
-        best = [one for one in _unbeaten(evaluated) if proposals[one.moves].is_acceptable]
+        best = [
+            one for one in _unbeaten(installed, evaluated) if proposals[one.moves].is_acceptable
+        ]
         full = len(best) >= count and t.expected > max(one.expected for one in best)
         if full or len(evaluated) == max(count, MAX_EVALUATED_CORRECTIONS):
             break
@@ -297,9 +331,14 @@ def find_corrections(
             evaluated.append(t)
             proposals[t.moves] = _proposal(lines, response, t, installed, standing)
     kept = [
-        (proposals[t.moves], t) for t in _unbeaten(evaluated) if proposals[t.moves].is_acceptable
+        (proposals[t.moves], t)
+        for t in _unbeaten(installed, evaluated)
+        if proposals[t.moves].is_acceptable
     ]
-    return _with_tolerance_yields(kept, trucks, count=count, draws=draws)
+    return CorrectionResults(
+        installed=standing,
+        proposals=_with_tolerance_yields(kept, trucks, count=count, draws=draws),
+    )
 
 
 def _worth_evaluating(
@@ -324,16 +363,21 @@ def _is_expected_to_beat(one: _CorrectionCandidate, other: _CorrectionCandidate)
     )
 
 
-def _unbeaten(evaluated: Iterable[_CorrectionCandidate]) -> list[_CorrectionCandidate]:
-    """Return the trials that no other beats, which stands as well, costs no more, leaves more."""
+def _unbeaten(
+    installed: _CorrectionCandidate, evaluated: Iterable[_CorrectionCandidate]
+) -> list[_CorrectionCandidate]:
+    """Return the trials that no other beats, which stands as well, costs no more, leaves more.
+
+    Nor the line as installed.
+    """
     found: list[_CorrectionCandidate] = []
-    for t in sorted(evaluated, key=lambda t: t.rank):
+    for t in sorted([installed, *evaluated], key=lambda t: t.rank):
         if not any(
             one.cost <= t.cost + 1e-9 and t.margin <= one.margin + MIN_MARGIN_ADVANTAGE_OVER_CHEAPER
             for one in found  # which stand no worse
         ):
             found.append(t)
-    return found
+    return [t for t in found if t is not installed]
 
 
 def _with_tolerance_yields(
@@ -351,6 +395,9 @@ def _with_tolerance_yields(
     if len(ranked) > count:
         last = ranked[count - 1][0].standing
         ranked = [pair for pair in ranked if pair[0].standing <= last]
+    if trucks and not draws and ranked:
+        settings = np.array([t.amounts for _, t in ranked])
+        trucks.evaluate_about(ranked[0][1].movable, settings)
     found = [
         replace(
             p,
@@ -379,7 +426,7 @@ class _ProgressReporter:
         for t in trials:
             if self.best is None:
                 self.best, self.installed = t, t
-                self.standing = _approval(self.lines, self.before, t)
+                self.standing = _approval(self.lines, self.before)
             elif self._may_be_better(t) and t.gain < self.best.gain:
                 one = _proposal(self.lines, self.before, t, self.installed, self.standing)
                 if one.is_acceptable:
@@ -389,8 +436,7 @@ class _ProgressReporter:
     def _may_be_better(self, t: _CorrectionCandidate) -> bool:
         """Return whether a trial is expected to be better, before it is evaluated in full."""
         assert self.best is not None
-        own, best = ((c.expected, -c.expected_margin) for c in (t, self.best))
-        return bool(t.moves) and own < best
+        return bool(t.moves) and t.expected_gain < self.best.expected_gain
 
 
 def _proposal(
@@ -426,13 +472,15 @@ def _changeable_limits(installed: _CorrectionCandidate) -> frozenset[LimitOfPart
 
 
 def _approval(
-    lines: Mapping[str, _EvaluatedLine], before: LineResponse, trial: _CorrectionCandidate
+    lines: Mapping[str, _EvaluatedLine],
+    before: LineResponse,
+    trial: _CorrectionCandidate | None = None,
 ) -> Approval:
-    """Return the approval of an application with one line as a trial leaves it."""
-    application = before.application
-    if trial.moves:
+    """Return the approval of an application, as installed or with a line as a trial leaves it."""
+    application, tried = before.application, dict[str, _EvaluatedLine]()
+    if trial and trial.moves:
         application = corrected_application(before, trial.movable, np.array(trial.amounts))
-    tried = {line.response.line.name: line for line in trial.lines}
+        tried = {line.response.line.name: line for line in trial.lines}
     _, *others = default_studies(application)
     driveline = _CorrectedLineStudy(lines=tuple({**lines, **tried}.values()))
     return approve_application(application, (driveline, *others))
@@ -533,7 +581,8 @@ class _Trials:
             most = int(self.evaluator.evaluate(turnings[:1]).exceeded[0])
             best = replace(search, changed=changed, most=most).exhausted(trials)
             once = {tuple(amounts.tolist()): amounts for amounts in best}.values()
-            yield min((self._trial(a, changed) for a in once), key=lambda t: t.expected_rank)
+            tried = (self._trial(amounts, changed) for amounts in once)
+            yield min(tried, key=lambda t: t.expected_gain)
 
     def _trial(self, amounts: FloatArray, changed: BoolArray) -> _CorrectionCandidate:
         """Return the trial that moves things by these amounts."""

@@ -139,9 +139,9 @@ class ToleranceModel:
     def responses(
         self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray, off: FloatArray
     ) -> tuple[LineResponse, ...]:
-        """Return the line at a setting (ways) in trucks that are `off` (V, tolerances).
+        """Return the line at a setting in trucks that are `off` (V, tolerances).
 
-        And the lines that the ways turn with it.
+        Amounts are (ways), or those of each truck (V, ways). And the lines that they turn with it.
         """
         every = permitted_adjustments_by_name(i.line for i in self.application.lines)
         called = self.sampling_plan.names
@@ -272,10 +272,35 @@ class ToleranceModel:
         """
         key = ways, tuple(amounts.tolist())
         if key not in self._known_margins:
-            step = np.diag(self._wide) * FINITE_DIFFERENCE_STEP_SD
-            off = np.concatenate([np.zeros((1, len(step))), step, -step])
-            self._known_margins[key] = self.margins(ways, amounts, off)
+            self._known_margins[key] = self.margins(ways, amounts, self._about)
         return self._known_margins[key]
+
+    def evaluate_about(self, ways: tuple[PermittedAdjustment, ...], settings: FloatArray) -> None:
+        """Evaluate margins about settings (N, ways) in one batch, for what needs them later.
+
+        Where arrays cannot hold what scatters each setting is evaluated when it is needed.
+        """
+        new = [s for s in settings if (ways, tuple(s.tolist())) not in self._known_margins]
+        if not new:
+            return
+        count = len(self._about)
+        trucks = np.repeat(np.array(new), count, axis=0), np.tile(self._about, (len(new), 1))
+        try:
+            found = margins_to_both_bounds(*self.responses(ways, *trucks), proved=True)
+        except (InvalidFileError, DesignError):
+            return
+        rows = len(trucks[1])
+        for k, setting in enumerate(new):
+            self._known_margins[ways, tuple(setting.tolist())] = {
+                to: np.broadcast_to(m, (rows, m.shape[-1]))[k * count : (k + 1) * count]
+                for to, m in found.items()
+            }
+
+    @cached_property
+    def _about(self) -> FloatArray:
+        """How far trucks are off (1 + 2 T, T): not, and by each tolerance to each side."""
+        step = np.diag(self._wide) * FINITE_DIFFERENCE_STEP_SD
+        return np.concatenate([np.zeros((1, len(step))), step, -step])
 
     @cached_property
     def _known_margins(

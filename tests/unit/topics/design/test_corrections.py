@@ -26,7 +26,7 @@ from cardan.core.errors import DesignError
 from cardan.core.labels import OperatingPoint
 from cardan.core.provenance import Source
 from cardan.core.units import deg, mm
-from cardan.core.verdict import CHECK_GRADES, VERDICTS, Limit
+from cardan.core.verdict import CHECK_GRADES, Limit
 from cardan.model.adjustments import ADJUSTMENTS
 from cardan.model.application import (
     STATE_KIND_GROUPS,
@@ -39,12 +39,16 @@ from cardan.model.parts import JointSize
 from cardan.physics.vehicle.state_demand import line_state_demand, resolve_line_references
 from cardan.render import phrases as wording
 from cardan.render.i18n import Translator
+from cardan.topics.design import correction_search, corrections
+from cardan.topics.design.correction import standing_of
+from cardan.topics.design.correction_search import CorrectionSearch, SettingEvaluator
 from cardan.topics.design.corrections import (
     MIN_MARGIN_ADVANTAGE_OVER_CHEAPER,
     Correction,
     find_corrections,
 )
 from cardan.topics.design.presentation import correction_lines
+from cardan.topics.design.robustness import ToleranceYield
 from cardan.topics.design.sensitivity import check_sensitivities
 
 HOUSE = Source("House rules")
@@ -58,6 +62,18 @@ def truck() -> Application:
 def only(application: Application, *limits: Limit) -> Application:
     return replace(application, limits=limits, profile=INLINE_LIMITS_NAME)
 
+
+ONE_SHAFT = """\
+title: Under the truck
+speed_rpm: 3600
+torque_Nm: 300
+driveline:
+  slopes: {side_deg: [4.0, 2.0, 7.5]}
+  joints: "1310"
+  shafts: [{length_mm: 1200, tube: 76.2x2.1}]
+limits: protractor
+adjust: {shim_deg: [-4, 4]}
+"""
 
 TORSIONAL = Limit(
     quantity="torsional_acceleration", normal=200.0, maximum=500.0, source=HOUSE, points="own"
@@ -417,10 +433,12 @@ def test_exhaustive_search_finds_cheapest_passing_correction(truck, hold):
 def test_proposal_for_warning_does_not_fail(asked, monkeypatch):
     """A truck that warns was told three moves, each of which made it fail: -54 % to -31 %."""
     if asked == "some":
-        monkeypatch.setattr("cardan.topics.design.corrections.MAX_EXHAUSTIVE_SEARCH_SETTINGS", 0)
+        monkeypatch.setattr(correction_search, "MAX_EXHAUSTIVE_SEARCH_SETTINGS", 0)
     if asked == "what fails too":  # as where yokes are turned, and no setting stands
         monkeypatch.setattr(
-            "cardan.topics.design.corrections._least", lambda of, *, to: of[to].min(-1)
+            CorrectionSearch,
+            "least_margins",
+            lambda self, amounts, *, to: self.asked(amounts)[to].min(-1),
         )
     app = reader.read(EXAMPLES / "vecto-4x2.yaml")
     # What its bearing carries fails, whatever is moved; with the next two no setting is better
@@ -483,6 +501,125 @@ def test_better_verdict_ranks_before_lower_cost():
     assert ranked[0].cost < ranked[1].cost
 
 
+def graded(*grades: str) -> list[SimpleNamespace]:
+    """Checks of one criterion each; "at least" is a lower bound that warns."""
+    return [
+        SimpleNamespace(
+            grade={"at least": "warn"}.get(g, g),
+            grade_as_exceeded={"at least": "fail"}.get(g, g),
+            is_lower_bound=g == "at least",
+            quantity=str(k),
+            line="x",
+            limit=None,
+        )
+        for k, g in enumerate(grades)
+    ]
+
+
+def test_fewer_criteria_exceeded_then_fewer_warnings_rank_before_lower_cost():
+    """A proposal with five exceeded stood before one with two, for its cost and its trucks."""
+    shim = PermittedAdjustment(adjustment_key="shim", part=1, low=-3 * deg, high=3 * deg)
+    order = [
+        ("fail", "pass", "pass"), ("fail", "warn", "pass"), ("at least", "fail"),
+        ("fail", "fail", "pass"), ("fail", "fail", "warn"),
+    ]  # fmt: skip
+
+    def proposal(grades, cost):
+        return Correction(
+            line="x",
+            adjustments=(AppliedAdjustment(adjustable=shim, amount=cost * 3 * deg),),
+            margin_before=-1.0,
+            margin=-0.5,
+            approval=SimpleNamespace(verdict="fail", checks=graded(*grades)),
+            installed_approval=SimpleNamespace(),
+            changeable=frozenset(),
+            tolerance_yield=ToleranceYield(
+                share=1 - cost, share_without_warnings=0.0, individually_evaluated=False
+            ),
+        )
+
+    given = [proposal(grades, 0.9 - 0.1 * k) for k, grades in reversed([*enumerate(order)])]
+    ranked = sorted(given, key=lambda p: p.sort_key)
+    assert [tuple(c.grade_as_exceeded for c in p.checks) for p in ranked] == [
+        tuple(c.grade_as_exceeded for c in graded(*grades)) for grades in order
+    ]
+    # Of equal counts what more trucks keep, then what costs less.
+    alike = [proposal(order[0], cost) for cost in (0.5, 0.52, 0.2)]
+    assert sorted(alike, key=lambda p: p.sort_key) == [alike[2], alike[0], alike[1]]
+
+
+def test_trial_is_beaten_only_by_one_that_stands_as_well_costs_and_leaves_no_less():
+    def trial(standing, cost, margin):
+        return SimpleNamespace(
+            standing=standing, cost=cost, margin=margin, rank=(standing, cost, -margin)
+        )
+
+    few, cheap, wide = trial((3, 2), 2.2, -3.5), trial((3, 5), 0.3, -3.6), trial((3, 5), 1.0, -2.9)
+    installed = trial((3, 5), 0.0, -3.7)
+    beaten = [trial((3, 5), 0.7, -3.6), trial((3, 6), 2.2, -3.495), trial((3, 6), 0.1, -3.7)]
+    assert corrections._unbeaten(installed, [*beaten, wide, cheap, few]) == [few, cheap, wide]
+
+
+def test_settings_are_evaluated_once_in_batches(monkeypatch):
+    """What was evaluated is known by itself, and what is expected of it is what it comes to."""
+    application = reader.loads(ONE_SHAFT)
+    response = approve_driveline(application).line_responses[0]
+    movable = allowed_adjustments(response)
+    evaluator, batches = SettingEvaluator((response,), movable), []
+    evaluate = correction_search.adjusted_lines
+
+    def counted(lines, movable, amounts):
+        batches.append(len(amounts))
+        return evaluate(lines, movable, amounts)
+
+    monkeypatch.setattr(correction_search, "adjusted_lines", counted)
+    amounts = np.array([[0.0], [1.0], [2.0]]) * deg
+    first = evaluator.evaluate(amounts)
+    mixed = evaluator.evaluate(np.array([[2.0], [-1.0], [2.0], [0.0]]) * deg)
+    assert batches == [3, 1]
+    assert (mixed.margins["normal"][[0, 2, 3]] == first.margins["normal"][[2, 2, 0]]).all()
+    for k, amount in enumerate(amounts):
+        alone = list(line_checks(response_with_adjustments(response, movable, amount)))
+        standing = standing_of("fail", alone)
+        assert (first.exceeded[k], first.warned[k]) == standing[2:]
+    assert first.exceeded[0] > 0
+
+
+def test_trials_that_others_surely_beat_are_not_evaluated_in_full(monkeypatch):
+    """Seven trials of a wedge, of which no two that are compared tell anything new."""
+    evaluated = []
+    evaluate = corrections.adjusted_lines
+
+    def counted(lines, movable, amounts):
+        evaluated.append(tuple(amounts))
+        return evaluate(lines, movable, amounts)
+
+    monkeypatch.setattr(corrections, "adjusted_lines", counted)
+    found = find_corrections(reader.loads(ONE_SHAFT), count=1)
+    assert found[0].verdict == "pass"
+    assert len(evaluated) == len(set(evaluated)) <= 3
+
+
+def test_search_by_slopes_ends_where_it_gets_no_further():
+    """Which of two limits is worst changes from step to step: 684 steps of a line on rubber."""
+    steps = []
+
+    def needed(x):
+        steps.append(float(x[0]))
+        k = len(steps)  # a slope that points another way each time
+        return np.array([-1.0 - 1e-6 * k]), np.array([[(-1.0) ** k * 40.0]])
+
+    best = CorrectionSearch._solve(
+        SimpleNamespace(free=(0,)),
+        np.array([0.3]),
+        cost=lambda x: (float(x[0] ** 2), 2 * x),
+        needed=needed,
+        merit=lambda _, left: -float(left.min()),
+    )
+    assert best == pytest.approx([0.3])
+    assert len(steps) <= 2 + correction_search.MAX_STALLED_STEPS
+
+
 @pytest.mark.parametrize(
     ("verdict", "margin", "grades", "stands"),
     [
@@ -501,18 +638,7 @@ def test_proposal_without_improvement_is_dropped(verdict, margin, grades, stands
     """
 
     def approval(verdict, margin, grades):
-        checks = [
-            SimpleNamespace(
-                grade={"at least": "warn"}.get(g, g),
-                grade_as_exceeded={"at least": "fail"}.get(g, g),
-                is_lower_bound=g == "at least",
-                quantity=k,
-                line="x",
-                limit=None,
-            )
-            for k, g in enumerate(grades)
-        ]
-        return SimpleNamespace(verdict=verdict, smallest_margin=margin, checks=checks)
+        return SimpleNamespace(verdict=verdict, smallest_margin=margin, checks=graded(*grades))
 
     was = approval("fail", -2.02, ["fail", "fail", "warn"])
     now = approval(verdict, margin, grades)
@@ -540,7 +666,7 @@ def test_interim_proposals_precede_search_and_only_improve(truck, limits):
     ]
     assert isinstance(told[0], Correction)
     shown = [p for p in told if isinstance(p, Correction)]
-    gains = [(VERDICTS.index(p.verdict), -p.margin) for p in shown]
+    gains = [(p.standing, -p.margin) for p in shown]
     assert gains == sorted(set(gains), reverse=True)
     assert all(p.margin > p.margin_before for p in shown)
     for move in told[0].adjustments:  # as a workshop can set it
