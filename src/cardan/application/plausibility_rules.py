@@ -54,6 +54,7 @@ BOUNCE_SOURCE = "examples: 9 to 13 Hz; half to twice their stiffness and more, a
 DIFFERENTIAL_SOURCE = (
     "centre differentials share torque as axles are laden, locked ones halve it; range assumed"
 )
+STOP_LOAD_SOURCE = "examples: 1.2 to 1.7, a cross-country truck 2.4; range assumed"
 TUBE_SIZES_SOURCE = "catalogue tubes"
 CHECK_UNIT_HINT = "check the unit"
 
@@ -523,6 +524,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("jounce_distance", "how far the axle can rise from its place",
       vehicle.compare_stop_distance("jounce", 1), (3, 400), unit=" mm",
       hint="deflections count from the free spring"),
+    R("stop_load", "the spring's load at its stop over that at gvw", vehicle.compare_stop_load,
+      (1.05, 2.6), STOP_LOAD_SOURCE,
+      hint="are the rates those of one spring, and deflections counted from the free one?"),
     R("rebound_distance", "how far the axle can sink from its place",
       vehicle.compare_stop_distance("full_rebound", -1), (3, 300), unit=" mm",
       hint="deflections count from the free spring"),

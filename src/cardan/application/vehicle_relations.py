@@ -19,7 +19,11 @@ from cardan.core.units import deg, g, kN, mm
 from cardan.model.application import STATE_KIND_GROUPS, VehicleState
 from cardan.model.vehicle import SuspensionState
 from cardan.physics.vehicle.axle_loads import driven_axle_count
-from cardan.physics.vehicle.suspension import deflection_in_state
+from cardan.physics.vehicle.suspension import (
+    deflection_in_state,
+    load_per_spring,
+    spring_load,
+)
 
 USUAL_PINION_AHEAD = 0.4
 """m ahead of the wheels, where a file does not say: assumed, 0.27 to 0.52 in the examples."""
@@ -531,6 +535,21 @@ def compare_stop_distance(name: str, sign: int) -> Callable[[RelationContext], C
                     yield ComparedValue((key,), value, (f"{at}.spring", LADEN))
 
     return distance
+
+
+def compare_stop_load(of: RelationContext) -> ComparedValues:
+    """Load of a spring at its bump stop over that at gvw."""
+    for line in of.lines:
+        at, suspension = line.suspension or ("", None)
+        if suspension and line.laden:
+            own = float(load_per_spring(suspension, float(line.laden.axle_load[0])))
+            keys = f"{at}.spring.rates", f"{at}.spring.load", f"{at}.spring"
+            against = f"{at}.jounce_deflection", f"{at}.springs_per_axle", LADEN
+            with suppress(DesignError):
+                stop = float(
+                    spring_load(suspension.spring, deflection_in_state(suspension, "jounce"))
+                )
+                yield ComparedValue(keys, ratio(stop, own), against)
 
 
 def compare_unladen_strap(of: RelationContext) -> ComparedValues:

@@ -372,6 +372,8 @@ OTHERS = [
                   "load_states_alike")),
     ("van", Slip({"states.3": {"name": "overload", "kind": "gvw"}}, "states_alike")),
     (TANDEM, Slip({"states.7.articulation_mm": 4}, "given_travel")),
+    # --- rates of both springs
+    (TANDEM, Slip({"suspension.spring.rates_N_mm": [600, 840]}, "stop_load")),
     # --- a drive with fewer axles than the lines reach; shares of front and rear swapped
     (TANDEM, Slip({"vehicle.drive": "6x2"}, "through_driven_axles")),
     (PICK_UP, Slip({f"{MAIN}.torque_share": 0.4, f"{FRONT}.torque_share": 0.6},
