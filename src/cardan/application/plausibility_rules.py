@@ -55,6 +55,7 @@ DIFFERENTIAL_SOURCE = (
     "centre differentials share torque as axles are laden, locked ones halve it; range assumed"
 )
 STOP_LOAD_SOURCE = "examples: 1.2 to 1.7, a cross-country truck 2.4; range assumed"
+WALKING_SOURCE = "examples: 5 km/h or more; range assumed"
 TUBE_SIZES_SOURCE = "catalogue tubes"
 CHECK_UNIT_HINT = "check the unit"
 
@@ -125,7 +126,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       RUBBER_LOSS_SOURCE, hint="it is the tangent of the loss angle; more damps what resonates"),
     R("rubber_directions", "the vertical stiffness over the lateral one",
       line.compare_rubber_directions,
-      (0.8, 5), hint="are they swapped, or in another unit?"),
+      (0.8, 2.7), hint="are they swapped, or in another unit?"),
     R("flange_directions", "the vertical stiffness over the lateral one",
       line.compare_flange_directions,
       (0.1, 10), hint="is one of them in another unit?"),
@@ -145,7 +146,8 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("roller_rating", "the rating of balls or rollers over the joint's peak torque",
       line.compare_roller_rating, (0.03, 0.6), hint="is it that of this joint, in N·m?"),
     R("rated_angle", "the angle of the rated life over the joint's largest angle",
-      line.compare_rated_angle, (0, 1), BY_DEFINITION, hint="are they swapped?"),
+      line.compare_rated_angle, (0.05, 1), "by definition; lowest assumed",
+      hint="are they swapped?"),
     R("angle_of_kind", "the joint's largest angle over that of its kind",
       line.compare_angle_of_kind, (0.1, 1), ANGLE_OF_KIND_SOURCE,
       hint="is it this joint's, and its kind the right one?"),
@@ -197,6 +199,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       "of these slopes right?"),
     R("inner_bend", "the angle of the joint between two shafts", line.compare_inner_bend, (0, 4.5),
       unit=" deg", hint="check this point and its neighbours"),
+    R("fixed_joints", "how far a state moves a joint between two shafts", line.compare_fixed_joints,
+      (0, 12), "geometry: a bearing stands still; range assumed", unit=" mm",
+      hint="its bearing stays where it is: is a coordinate mistyped?"),
     R("line_drop", "the line's slope off the mean slope of gearbox and pinion",
       line.compare_line_drop,
       (0, 3.8), unit=" deg", hint="check points and slopes, units and signs"),
@@ -255,6 +260,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("windup_speeds", "the speed over that of the engine in its lowest gear",
       power.compare_windup_speeds,
       (0.2, 1.5), hint="full torque is there in the lowest gear alone"),
+    R("state_road_speed", "the vehicle's speed in this state", power.compare_state_road_speed,
+      (3, 300), WALKING_SOURCE, unit=" km/h",
+      hint="it is slower than one walks: is a digit missing?"),
     R("part_torques", "the torque over the largest at the gearbox output",
       power.compare_part_torques,
       (0, 1.05), hint="it is counted at the gearbox output"),
@@ -275,8 +283,8 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       power.compare_part_powers,
       (0, 1.1), hint="they do not occur together"),
     R("curve_speeds", "the curve's lowest speed over its highest", power.compare_curve_speeds,
-      (0.02, 1),
-      hint=CHECK_UNIT_HINT),
+      (0.08, 1),
+      hint="an engine pulls from its idle speed on: is a digit missing?"),
     R("motor_speeds", "the curve's lowest speed over its highest", power.compare_motor_speeds,
       (0, 0.2),
       hint="a motor's curve starts at rest: is the prime mover right?"),
@@ -466,7 +474,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("rolling_radius", "the rolling radius over the standing one", vehicle.compare_rolling_radius,
       (1, 1.15), hint="a rolling tyre is a little larger"),
     R("pinion_ahead", "how far the last joint sits ahead of the wheels, in tyre radii,",
-      vehicle.compare_pinion_ahead, (0.15, 2), hint="ahead is towards the gearbox"),
+      vehicle.compare_pinion_ahead, (0.35, 1.5), hint="ahead is towards the gearbox"),
     R("pinion_height", "the last joint's height from the wheel centre, in tyre radii,",
       vehicle.compare_pinion_height, (0, 0.7), hint=CHECK_UNIT_HINT),
     R("single_pinion_height", "the last joint's height from the wheel centre, in tyre radii,",

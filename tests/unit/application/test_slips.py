@@ -389,6 +389,15 @@ OTHERS = [
     ("composite-van", Slip({"driveline.points_mm.1": [1280, 0, -155]}, "gearbox_place")),
     ("mtv-6x6", Slip({f"{MAIN}.axle.ratio": 3.9, "drivelines.inter-axle.axle.ratio": 3.9},
                "governed_road_speed")),
+    # --- a digit missing or a value doubled, in what had no partner yet
+    (TANDEM, Slip({"states.7.speed_rpm": 30}, "state_road_speed")),
+    ("vecto-4x2", Slip({"states.0.speed_rpm": 60}, "state_road_speed")),
+    ("van", Slip({"axle.pinion.ahead_mm": 540}, "pinion_ahead")),
+    ("van", Slip({"engine.speed_rpm": [180, 3000, 3900]}, "curve_speeds")),
+    (PICK_UP, Slip({f"{FRONT}.joints.1.rated_angle_deg": 0.4}, "rated_angle")),
+    (PICK_UP, Slip({f"{MAIN}.shafts.0.centre_bearing.vertical_stiffness_N_mm": 76},
+                   "rubber_directions")),
+    (INDUSTRIAL, Slip({"states.0.points_mm.1": [1300, 0, 23]}, "fixed_joints")),
     # --- limits of another class
     ("van", Slip({"limits": "body-builder"}, "body_builder_limits")),
     ("van", Slip({"limits": loosened("van", centre_bearing_peak={"maximum": 5000})},
