@@ -28,7 +28,10 @@ def compare_torque_shares(of: RelationContext) -> ComparedValues:
 
 
 def compare_torque_for_load(of: RelationContext) -> ComparedValues:
-    """Torque share of a line of an all-wheel drive over its axles' share of the load at gvw."""
+    """Torque share of a line of an all-wheel drive over its axles' share of the load at gvw.
+
+    A share of 1, as where nothing is given, is the most that there can be: not compared.
+    """
     vehicle = of.application.vehicle
     laden = next((load for load in vehicle.loads if load.name == "gvw"), None) if vehicle else None
     if vehicle is None or not (vehicle.driven_front and vehicle.driven_rear) or laden is None:
@@ -37,9 +40,9 @@ def compare_torque_for_load(of: RelationContext) -> ComparedValues:
     for line in of.lines:
         if line.leaves_gearbox and line.installed.drives in loads and all(loads.values()):
             carried = ratio(loads[line.installed.drives], sum(v or 0.0 for v in loads.values()))
-            keys = (f"{line.at}.torque_share", line.at)
-            value = ratio(line.installed.torque_share, carried)
-            yield ComparedValue(keys, value, ("vehicle.loads.gvw",), default="1")
+            share = line.installed.torque_share
+            value = ratio(share if share < 1 else None, carried)
+            yield ComparedValue((f"{line.at}.torque_share",), value, ("vehicle.loads.gvw",))
 
 
 def compare_inter_axle_shares(of: RelationContext) -> ComparedValues:
