@@ -674,6 +674,23 @@ def compare_inner_bend(of: RelationContext) -> ComparedValues:
             yield ComparedValue(keys, angle if kinds[k] == "cross" else nan, against)
 
 
+def compare_fixed_joints(of: RelationContext) -> ComparedValues:
+    """Distance of a joint between two shafts in a state's points from its place in the line's, mm.
+
+    A bearing on frame or foundation carries it. Of states with points for a line that has some.
+    """
+    for line in of.lines:
+        given = locate_yaml_address(of.application, f"{line.at}.points")
+        for k, state in enumerate(of.application.states, 1):
+            own = (state.layouts or {}).get(line.installed.line.name)
+            found = locate_yaml_address(of.application, f"states[{k}].points")
+            if own and given and found and ".points" in given.key and ".points" in found.key:
+                moved = np.linalg.norm(own.points - line.installed.layout.points, axis=-1)[1:-1]
+                for n, distance in enumerate(moved.tolist(), 2):
+                    keys = f"states[{k}].points[{n}]", f"states[{k}].points"
+                    yield ComparedValue(keys, distance / mm, (f"{line.at}.points[{n}]",))
+
+
 def compare_line_drop(of: RelationContext) -> ComparedValues:
     """Side slope from joint 1 to the last less the mean slope of gearbox and pinion, deg."""
     yield from _chord_slopes(of, view="side")

@@ -1,7 +1,8 @@
 """Relations of an application's own limits to those of the profiles that come with the package."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
+from math import nan
 from typing import NamedTuple
 
 from cardan.application.limit_profiles import (
@@ -11,7 +12,12 @@ from cardan.application.limit_profiles import (
     profile_names,
 )
 from cardan.application.quantity_lookup import declared_quantity
-from cardan.application.relation_context import ComparedValue, ComparedValues, RelationContext
+from cardan.application.relation_context import (
+    ComparedValue,
+    ComparedValues,
+    RelationContext,
+    ratio,
+)
 from cardan.core.units import deg
 from cardan.core.verdict import Limit, LimitSense
 from cardan.model.application import Application
@@ -32,13 +38,37 @@ def compare_looser_limits(of: RelationContext) -> ComparedValues:
     """1 for each bound of a file's own limits that no shipped profile has as loose, else 0."""
     for at, limit in _own_limits(of.application):
         for bound in _bounds(limit):
-            if (loosest := _loosest_shipped_bound(limit, bound)) is None:
+            if (loosest := _loosest_bound(limit, bound, _shipped_profiles())) is None:
                 continue
-            slack = bound.value - loosest if bound.sense == "<=" else loosest - bound.value
-            looser = slack > BOUND_TOLERANCE * max(abs(loosest), abs(bound.value))
+            looser = _is_looser(bound, loosest)
             keys = f"{at}.{bound.key}", f"{at}.{bound.key.partition('[')[0]}", at
             detail = _compared_text(limit, bound, loosest)
             yield ComparedValue(keys, float(looser), detail=detail)
+
+
+def compare_limits_over_profile(of: RelationContext) -> ComparedValues:
+    """How much looser each own bound is than that of the profile of its vehicle, as a factor.
+
+    That is the profile it changes, else the one of the vehicle's class. nan where
+    `compare_looser_limits` names it, and where the profile has no bound, or 0.
+    """
+    name = of.application.profile.removesuffix(OVERRIDDEN_PROFILE_SUFFIX)
+    if name not in profile_names():
+        name = (of.vehicle_class or "").replace(" ", "-")
+    if name not in profile_names():
+        return
+    profile = load_profile(name)[1]
+    for at, limit in _own_limits(of.application):
+        for bound in _bounds(limit):
+            usual = _loosest_bound(limit, bound, (profile,))
+            loosest = _loosest_bound(limit, bound, _shipped_profiles())
+            if bound.key not in ("normal", "maximum") or not usual or loosest is None:
+                continue
+            factor = ratio(*((bound.value, usual) if bound.sense == "<=" else (usual, bound.value)))
+            keys = f"{at}.{bound.key}", at
+            detail = f"{_compared_text(limit, bound, usual)}, {name}"
+            value = nan if _is_looser(bound, loosest) else factor
+            yield ComparedValue(keys, value, (of.heaviest_address,), detail)
 
 
 def compare_limits_without_maximum(of: RelationContext) -> ComparedValues:
@@ -104,14 +134,22 @@ def _bounds(limit: Limit) -> Iterator[LimitBound]:
         yield LimitBound("above_angle", limit.above_angle, "<=")
 
 
-def _loosest_shipped_bound(limit: Limit, bound: LimitBound) -> float | None:
-    """Return the loosest of a bound in all shipped profiles; None where none states it.
+def _is_looser(bound: LimitBound, other: float) -> bool:
+    """Whether a bound lets pass what another does not."""
+    slack = bound.value - other if bound.sense == "<=" else other - bound.value
+    return slack > BOUND_TOLERANCE * max(abs(other), abs(bound.value))
+
+
+def _loosest_bound(
+    limit: Limit, bound: LimitBound, profiles: Iterable[tuple[Limit, ...]]
+) -> float | None:
+    """Return the loosest of a bound in some profiles; None where none states it.
 
     Profiles that have no `normal` of a quantity have it pass up to its maximum.
     """
     alike = [
         one
-        for limits in _shipped_profiles()
+        for limits in profiles
         for one in limits
         if (one.quantity, one.sense) == (limit.quantity, limit.sense)
     ]

@@ -11,6 +11,7 @@ from cardan.application.relation_context import (
     ComparedValues,
     LineContext,
     RelationContext,
+    ratio,
 )
 from cardan.application.source_location import locate_yaml_address
 from cardan.core.units import mm
@@ -19,6 +20,9 @@ from cardan.physics.vehicle.clearance import clearances
 
 NEAR_SHAFT = 100 * mm
 """What stands within this of a shaft, and does not touch it, is in the file for a reason."""
+
+LEAST_SHARE_ON_AXLE = 0.8
+"""Share of the axle's travel from which an obstacle rides on an axle: assumed."""
 
 MAX_SKEW_DEG = 15.0
 """What runs across by more is built so: a strut, a Panhard rod, a pipe. Assumed."""
@@ -63,6 +67,18 @@ def _mirrored(obstacle: Obstacle, axis: int) -> Obstacle:
     return replace(obstacle, start=tuple(start), end=tuple(end))
 
 
+def compare_obstacle_beyond_line(of: RelationContext) -> ComparedValues:
+    """Distance of an obstacle ahead of joint 1 or behind the last joint, mm; 0 between them."""
+    for line in of.lines:
+        x = line.installed.layout.points[:, 0]
+        for k, obstacle in enumerate(of.application.obstacles, 1):
+            if obstacle.line == line.installed.line.name:
+                first, last = sorted((obstacle.start[0], obstacle.end[0]))
+                beyond = max(x[0] - last, first - x[-1]) - obstacle.radius
+                keys, against = (f"obstacles[{k}].start", f"obstacles[{k}]"), (f"{line.at}.points",)
+                yield ComparedValue(keys, max(float(beyond), 0.0) / mm, against)
+
+
 def compare_obstacle_thickness(of: RelationContext) -> ComparedValues:
     """Diameter of an obstacle, mm; 0 where the file gives none."""
     for k, obstacle in enumerate(of.application.obstacles, 1):
@@ -99,23 +115,42 @@ def compare_fixed_member_height(of: RelationContext) -> ComparedValues:
 
     Of trucks and behind joint 2, up to the wheels: ahead of it a gearbox has its supports.
     """
+    if of.vehicle_class in ("medium truck", "heavy truck"):
+        for k, obstacle, line, height in _cross_member_heights(of):
+            at = f"obstacles[{k}]"
+            behind = line.installed.layout.points[1, 0] < min(obstacle.start[0], obstacle.end[0])
+            value = height if behind and not obstacle.travel_share else nan
+            keys, against = (f"{at}.travel_share", at), (f"{at}.start", f"{line.axle}.pinion")
+            yield ComparedValue(keys, value, against, default="0")
+
+
+def compare_riding_member_height(of: RelationContext) -> ComparedValues:
+    """Height above the wheel centres of a cross member that rides on an axle, in tyre radii."""
+    for k, obstacle, line, height in _cross_member_heights(of):
+        rides = obstacle.travel_share >= LEAST_SHARE_ON_AXLE
+        keys, against = (f"obstacles[{k}].start", f"obstacles[{k}]"), (f"{line.axle}.pinion",)
+        yield ComparedValue(keys, height if rides else nan, against)
+
+
+def _cross_member_heights(
+    of: RelationContext,
+) -> Iterator[tuple[int, Obstacle, LineContext, float]]:
+    """Yield number, obstacle, line and height above the wheel centres in tyre radii.
+
+    Of what runs across from side to side, ahead of the wheels of a line that leaves the gearbox.
+    """
     tyre = of.application.tyre
-    if of.vehicle_class not in ("medium truck", "heavy truck") or tyre is None:
-        return
-    for line in of.lines:
+    for line in of.lines if tyre else ():
         axle, points = line.installed.axle, line.installed.layout.points
         if axle is None or not line.leaves_gearbox:
             continue
         wheel = points[-1] - (axle.pinion_joint[0], 0.0, axle.pinion_joint[1])
         for k, obstacle in enumerate(of.application.obstacles, 1):
-            at = f"obstacles[{k}]"
             across = obstacle.start[1] * obstacle.end[1] < 0
-            behind = points[1, 0] < min(obstacle.start[0], obstacle.end[0]) < wheel[0]
-            if obstacle.line == line.installed.line.name and across and behind:
+            ahead = min(obstacle.start[0], obstacle.end[0]) < wheel[0]
+            if obstacle.line == line.installed.line.name and across and ahead:
                 above = (obstacle.start[2] + obstacle.end[2]) / 2 - wheel[2]
-                value = nan if obstacle.travel_share else float(above / tyre.static_radius)
-                keys, against = (f"{at}.travel_share", at), (f"{at}.start", f"{line.axle}.pinion")
-                yield ComparedValue(keys, value, against, default="0")
+                yield k, obstacle, line, float(ratio(above, tyre and tyre.static_radius))
 
 
 def compare_obstacle_length_over_diameter(of: RelationContext) -> ComparedValues:

@@ -50,6 +50,12 @@ THROUGH_SLOPE_SOURCE = "geometry: one straight shaft; range assumed, for measure
 WHEEL_HEIGHT_SOURCE = "geometry: level road; up to 8 mm in the examples, range assumed"
 AXLE_SPACING_SOURCE = "geometry: tyres do not touch; 1.25 to 1.39 in the examples, range assumed"
 ANGLE_OF_KIND_SOURCE = "Seherr-Thoss, Schmelz & Aucktor (2006), unverified; range assumed"
+BOUNCE_SOURCE = "examples: 9 to 13 Hz; half to twice their stiffness and more, assumed"
+DIFFERENTIAL_SOURCE = (
+    "centre differentials share torque as axles are laden, locked ones halve it; range assumed"
+)
+STOP_LOAD_SOURCE = "examples: 1.2 to 1.7, a cross-country truck 2.4; range assumed"
+WALKING_SOURCE = "examples: 5 km/h or more; range assumed"
 TUBE_SIZES_SOURCE = "catalogue tubes"
 CHECK_UNIT_HINT = "check the unit"
 
@@ -120,13 +126,13 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       RUBBER_LOSS_SOURCE, hint="it is the tangent of the loss angle; more damps what resonates"),
     R("rubber_directions", "the vertical stiffness over the lateral one",
       line.compare_rubber_directions,
-      (0.8, 5), hint="are they swapped, or in another unit?"),
+      (0.8, 2.7), hint="are they swapped, or in another unit?"),
     R("flange_directions", "the vertical stiffness over the lateral one",
       line.compare_flange_directions,
       (0.1, 10), hint="is one of them in another unit?"),
     R("rubber_bounce", "the bounce of the shafts on the bearing's rubber",
       line.compare_rubber_bounce,
-      (3, 25), unit=" Hz", hint="check the stiffness and its unit"),
+      (6, 20), BOUNCE_SOURCE, unit=" Hz", hint="check the stiffness and its unit"),
     R("rubber_axial", "stiffness along the shaft over that across it", line.compare_rubber_axial,
       (0.02, 10), hint="is one of them in another unit?"),
     R("flange_stiffness", "the flange's stiffness over that of the firmest rubber",
@@ -140,7 +146,8 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("roller_rating", "the rating of balls or rollers over the joint's peak torque",
       line.compare_roller_rating, (0.03, 0.6), hint="is it that of this joint, in N·m?"),
     R("rated_angle", "the angle of the rated life over the joint's largest angle",
-      line.compare_rated_angle, (0, 1), BY_DEFINITION, hint="are they swapped?"),
+      line.compare_rated_angle, (0.05, 1), "by definition; lowest assumed",
+      hint="are they swapped?"),
     R("angle_of_kind", "the joint's largest angle over that of its kind",
       line.compare_angle_of_kind, (0.1, 1), ANGLE_OF_KIND_SOURCE,
       hint="is it this joint's, and its kind the right one?"),
@@ -192,6 +199,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       "of these slopes right?"),
     R("inner_bend", "the angle of the joint between two shafts", line.compare_inner_bend, (0, 4.5),
       unit=" deg", hint="check this point and its neighbours"),
+    R("fixed_joints", "how far a state moves a joint between two shafts", line.compare_fixed_joints,
+      (0, 12), "geometry: a bearing stands still; range assumed", unit=" mm",
+      hint="its bearing stays where it is: is a coordinate mistyped?"),
     R("line_drop", "the line's slope off the mean slope of gearbox and pinion",
       line.compare_line_drop,
       (0, 3.8), unit=" deg", hint="check points and slopes, units and signs"),
@@ -200,6 +210,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     # --- several lines
     R("torque_shares", "the sum of the torque shares", lines.compare_torque_shares, (0.99, 1.01),
       BY_DEFINITION, hint="the lines that leave the gearbox share all of its torque"),
+    R("torque_for_load", "the torque share over the share of the load on its axles at gvw",
+      lines.compare_torque_for_load, (0.72, 1.5), DIFFERENTIAL_SOURCE,
+      hint="are the shares of front and rear swapped?"),
     R("inter_axle_shares", "the torque share over that of the line ahead",
       lines.compare_inter_axle_shares,
       (0.3, 0.65), SHARES_SOURCE, hint="both are shares of the gearbox output's torque"),
@@ -210,6 +223,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       lines.compare_lines_over_axles, (1, inf), BY_DEFINITION,
       hint="check drive; or add to drivelines the "
       "line from axle to axle, with its output_joint, torque_share and load_share"),
+    R("through_driven_axles", "the number of rear axles that lines reach over that of driven ones",
+      lines.compare_through_driven_axles, (0, 1), BY_DEFINITION,
+      hint="check drive: a line goes on from axle to axle"),
     R("through_shaft", "the slope through the axle ahead less that of its pinion",
       lines.compare_through_shaft, (0, 3), unit=" deg",
       hint="a straight shaft joins pinion and output: check both heights and their signs"),
@@ -244,6 +260,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("windup_speeds", "the speed over that of the engine in its lowest gear",
       power.compare_windup_speeds,
       (0.2, 1.5), hint="full torque is there in the lowest gear alone"),
+    R("state_road_speed", "the vehicle's speed in this state", power.compare_state_road_speed,
+      (3, 300), WALKING_SOURCE, unit=" km/h",
+      hint="it is slower than one walks: is a digit missing?"),
     R("part_torques", "the torque over the largest at the gearbox output",
       power.compare_part_torques,
       (0, 1.05), hint="it is counted at the gearbox output"),
@@ -264,8 +283,8 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       power.compare_part_powers,
       (0, 1.1), hint="they do not occur together"),
     R("curve_speeds", "the curve's lowest speed over its highest", power.compare_curve_speeds,
-      (0.02, 1),
-      hint=CHECK_UNIT_HINT),
+      (0.08, 1),
+      hint="an engine pulls from its idle speed on: is a digit missing?"),
     R("motor_speeds", "the curve's lowest speed over its highest", power.compare_motor_speeds,
       (0, 0.2),
       hint="a motor's curve starts at rest: is the prime mover right?"),
@@ -342,7 +361,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       hint="it is counted at the gearbox output: check its unit"),
     R("governed_road_speed", "the vehicle's speed at this top speed",
       power.compare_governed_road_speed,
-      {"van": (80, 190), "medium truck": (60, 150), "heavy truck": (60, 125)},
+      {"van": (80, 190), "medium truck": (60, 130), "heavy truck": (60, 125)},
       GOVERNED_SOURCE, unit=" km/h", hint="check speed, tyre and this ratio"),
     R("road_speed", "the vehicle's top speed", power.compare_road_speed,
       {"van": (80, 190), "medium truck": (45, 165), "heavy truck": (35, 150)}, unit=" km/h",
@@ -358,6 +377,10 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       hint="what it lets pass no profile would: "
       "is the number, its unit or its side mistyped?",
       message="looser than in every shipped profile: {detail}"),
+    R("limits_over_profile", "how much looser a limit is than in the vehicle's profile",
+      limit.compare_limits_over_profile, (0, 1.5),
+      "limit profiles of the package; range assumed", hint="is it that of another class?",
+      message="more than 1.5 times as loose as in the profile of this vehicle: {detail}"),
     R("limits_without_maximum", "the number of quantities that never fail, and do by any profile",
       limit.compare_limits_without_maximum, (0, 0), SHIPPED_LIMITS_SOURCE, hint="add a maximum",
       message="without a maximum nothing fails, and every shipped profile has one: {detail}"),
@@ -372,6 +395,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("obstacle_sign", "the obstacle's least distance from a shaft", obstacle.compare_obstacle_sign,
       (0, 150), unit=" mm", hint="with the other sign of y or z it would be below 100 mm: is the "
       "sign right?"),
+    R("obstacle_beyond_line", "how far the obstacle lies beyond the line's first or last joint",
+      obstacle.compare_obstacle_beyond_line, (0, 50), unit=" mm",
+      hint="no shaft is there: check x, and its line"),
     R("obstacle_thickness", "the obstacle's diameter", obstacle.compare_obstacle_thickness,
       (8, 400),
       unit=" mm", hint=CHECK_UNIT_HINT),
@@ -384,10 +410,17 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("fixed_member_height", "the height above the wheel centres, in tyre radii, of a cross member "
       "held by the frame", obstacle.compare_fixed_member_height, (-0.1, inf),
       hint="frame rails lie higher: does it ride on an axle (travel_share), or is its z wrong?"),
+    R("riding_member_height", "the height above the wheel centres, in tyre radii, of a cross "
+      "member that rides on an axle", obstacle.compare_riding_member_height, (-0.42, 0.42),
+      hint="a beam lies near its wheels' centres, dropped ones a little lower: check z and "
+      "travel_share"),
     R("obstacle_slenderness", "the length of the obstacle's axis over its diameter",
       obstacle.compare_obstacle_length_over_diameter, (0.5, 60),
       hint="check both ends, their signs, and radius"),
     # --- loads
+    R("load_states_alike", "the number of load states that are the same",
+      vehicle.compare_load_states_alike, (0, 0), BY_DEFINITION, hint="was one copied for another?",
+      message="two load states hold the same values: {detail}"),
     R("empty_over_gvw", "the mass empty over that at gvw", vehicle.compare_lighter("empty", "gvw"),
       (0.1, 1), hint="are they swapped, or in another unit?"),
     R("curb_over_empty", "the mass at curb over that empty",
@@ -416,6 +449,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       hint=CHECK_UNIT_HINT),
     R("van_limits", "the largest mass under limits of a van", vehicle.compare_profile_mass("van"),
       (1, 7.5), UNECE_SOURCE, unit=" t", hint="is this the profile of the vehicle's class?"),
+    R("body_builder_limits", "the largest mass under limits of a body builder",
+      vehicle.compare_profile_mass("body-builder"), (3.6, inf), UNECE_SOURCE, unit=" t",
+      hint="they are those of a truck; a van's are tighter: limits: van"),
     R("medium_truck_limits", "the largest mass under limits of a medium truck",
       vehicle.compare_profile_mass("medium-truck"), (3.6, 20), UNECE_SOURCE, unit=" t",
       hint="is this the profile of the vehicle's class?"),
@@ -428,6 +464,9 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       (0, 0), "assumed: suspension states of METHOD section 6, without curb and overload",
       hint="what is not given is not evaluated: add them to states",
       message="kinds of state that these limits are for are not given: {detail}"),
+    R("states_alike", "the number of states that are the same", vehicle.compare_states_alike,
+      (0, 0), BY_DEFINITION, hint="was one copied for another?",
+      message="two states hold the same values: {detail}"),
     # --- wheels and axle
     R("tyre_size", "the tyre's radius", vehicle.compare_tyre_size,
       {"van": (265, 430), "medium truck": (320, 640), "heavy truck": (370, 700)}, TYRES_SOURCE,
@@ -435,7 +474,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("rolling_radius", "the rolling radius over the standing one", vehicle.compare_rolling_radius,
       (1, 1.15), hint="a rolling tyre is a little larger"),
     R("pinion_ahead", "how far the last joint sits ahead of the wheels, in tyre radii,",
-      vehicle.compare_pinion_ahead, (0.15, 2), hint="ahead is towards the gearbox"),
+      vehicle.compare_pinion_ahead, (0.35, 1.5), hint="ahead is towards the gearbox"),
     R("pinion_height", "the last joint's height from the wheel centre, in tyre radii,",
       vehicle.compare_pinion_height, (0, 0.7), hint=CHECK_UNIT_HINT),
     R("single_pinion_height", "the last joint's height from the wheel centre, in tyre radii,",
@@ -450,7 +489,7 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
     R("line_reach", "the line's length to its axle over the wheelbase", vehicle.compare_line_reach,
       (0.02, 1), hint="check the wheelbase, or the line"),
     R("gearbox_place", "joint 1's distance behind the front axle", vehicle.compare_gearbox_place,
-      {"van": (0.4, 2.6), "medium truck": (0.4, 3), "heavy truck": (0.4, 3.8)}, unit=" m",
+      {"van": (0.4, 2), "medium truck": (0.4, 3), "heavy truck": (0.4, 3.8)}, unit=" m",
       hint="check the wheelbase, or the line"),
     # --- suspension
     R("unsprung_mass", "the unsprung mass, as a share of what its axle carries,",
@@ -489,10 +528,13 @@ PLAUSIBILITY_RULES: tuple[PlausibilityRule, ...] = (
       (0.1, 2), hint="it is that of one axle, at the wheels"),
     R("given_travel", "the axle's travel over the way between its stops",
       vehicle.compare_given_travel,
-      (0, 1.1), hint=CHECK_UNIT_HINT),
+      (0.04, 1.1), hint=CHECK_UNIT_HINT),
     R("jounce_distance", "how far the axle can rise from its place",
       vehicle.compare_stop_distance("jounce", 1), (3, 400), unit=" mm",
       hint="deflections count from the free spring"),
+    R("stop_load", "the spring's load at its stop over that at gvw", vehicle.compare_stop_load,
+      (1.05, 2.6), STOP_LOAD_SOURCE,
+      hint="are the rates those of one spring, and deflections counted from the free one?"),
     R("rebound_distance", "how far the axle can sink from its place",
       vehicle.compare_stop_distance("full_rebound", -1), (3, 300), unit=" mm",
       hint="deflections count from the free spring"),

@@ -89,6 +89,19 @@ def compare_part_speeds(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"states[{k}].speed",), ratio(state.speed, top), against)
 
 
+def compare_state_road_speed(of: RelationContext) -> ComparedValues:
+    """Road speed at a state's own speed of the gearbox output, km/h."""
+    tyre, line = of.application.tyre, next((one for one in of.lines if one.installed.axle), None)
+    axle = line.installed.axle if line else None
+    if tyre and line and axle:
+        turns = line.installed.speed_ratio / axle.ratio
+        radius = tyre.dynamic_radius or tyre.static_radius
+        for k, state in enumerate(of.application.states, 1):
+            value = (state.speed or nan) * turns * radius * 3.6
+            against = f"{line.axle}.ratio", "tyre.dynamic_radius"
+            yield ComparedValue((f"states[{k}].speed",), value, against)
+
+
 def compare_duty_speeds(of: RelationContext) -> ComparedValues:
     """Speed of a duty point over the top speed of the gearbox output."""
     given = of.application.speed

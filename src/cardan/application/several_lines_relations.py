@@ -27,6 +27,24 @@ def compare_torque_shares(of: RelationContext) -> ComparedValues:
         yield ComparedValue((f"{line.at}.torque_share", line.at), float(total), default="1")
 
 
+def compare_torque_for_load(of: RelationContext) -> ComparedValues:
+    """Torque share of a line of an all-wheel drive over its axles' share of the load at gvw.
+
+    A share of 1, as where nothing is given, is the most that there can be: not compared.
+    """
+    vehicle = of.application.vehicle
+    laden = next((load for load in vehicle.loads if load.name == "gvw"), None) if vehicle else None
+    if vehicle is None or not (vehicle.driven_front and vehicle.driven_rear) or laden is None:
+        return
+    loads = {"front": laden.front_load, "rear": laden.rear_load}
+    for line in of.lines:
+        if line.leaves_gearbox and line.installed.drives in loads and all(loads.values()):
+            carried = ratio(loads[line.installed.drives], sum(v or 0.0 for v in loads.values()))
+            share = line.installed.torque_share
+            value = ratio(share if share < 1 else None, carried)
+            yield ComparedValue((f"{line.at}.torque_share",), value, ("vehicle.loads.gvw",))
+
+
 def compare_inter_axle_shares(of: RelationContext) -> ComparedValues:
     """Torque share of a line between axles over that of the line ahead of it."""
     for line, ahead in _inter_axle_lines(of):
@@ -50,6 +68,15 @@ def compare_lines_over_axles(of: RelationContext) -> ComparedValues:
     if vehicle and vehicle.driven_rear and rear and len(rear) == len(of.lines):
         value = len(rear) / vehicle.driven_rear
         yield ComparedValue(("vehicle.drive",), value, ("driveline", "drivelines"))
+
+
+def compare_through_driven_axles(of: RelationContext) -> ComparedValues:
+    """Rear axles that lines reach from axle to axle over the number of driven ones."""
+    vehicle = of.application.vehicle
+    through = [line for line, _ in _inter_axle_lines(of) if line.installed.drives == "rear"]
+    if vehicle and through and vehicle.driven_rear:
+        value = (len(through) + 1) / vehicle.driven_rear
+        yield ComparedValue(("vehicle.drive",), value, (through[0].at,))
 
 
 def compare_axle_ratios_alike(of: RelationContext) -> ComparedValues:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from itertools import pairwise
 from math import nan
 
@@ -15,10 +16,14 @@ from cardan.application.relation_context import (
 from cardan.application.source_location import locate_yaml_address
 from cardan.core.errors import DesignError
 from cardan.core.units import deg, g, kN, mm
-from cardan.model.application import STATE_KIND_GROUPS
+from cardan.model.application import STATE_KIND_GROUPS, VehicleState
 from cardan.model.vehicle import SuspensionState
 from cardan.physics.vehicle.axle_loads import driven_axle_count
-from cardan.physics.vehicle.suspension import deflection_in_state
+from cardan.physics.vehicle.suspension import (
+    deflection_in_state,
+    load_per_spring,
+    spring_load,
+)
 
 USUAL_PINION_AHEAD = 0.4
 """m ahead of the wheels, where a file does not say: assumed, 0.27 to 0.52 in the examples."""
@@ -63,7 +68,37 @@ def compare_missing_states(of: RelationContext) -> ComparedValues:
     yield ComparedValue(("states",), float(len(missing)), ("limits",), ", ".join(missing))
 
 
+def compare_states_alike(of: RelationContext) -> ComparedValues:
+    """1 for each state whose values are all those of a state before it, else 0."""
+    states = of.application.states
+    for k, state in enumerate(states):
+        at, alike = f"states[{k + 1}]", [s.name for s in states[:k] if _same_state(s, state)]
+        yield ComparedValue((at,), float(bool(alike)), detail=", ".join([*alike[:1], state.name]))
+
+
+def _same_state(one: VehicleState, other: VehicleState) -> bool:
+    """Whether two states evaluate the same; those with points of their own are not compared."""
+    if one.layouts or other.layouts:
+        return False
+    kinds = one.limit_state_kind, other.limit_state_kind
+    return kinds[0] == kinds[1] and replace(one, name="", kind=None) == replace(
+        other, name="", kind=None
+    )
+
+
 # --- loads
+
+
+def compare_load_states_alike(of: RelationContext) -> ComparedValues:
+    """1 for each load state whose values are all those of one before it, else 0."""
+    vehicle = of.application.vehicle
+    loads = vehicle.loads if vehicle else ()
+    for k, load in enumerate(loads):
+        alike = [o.name for o in loads[:k] if replace(o, name=load.name) == load]
+        at = f"vehicle.loads.{load.name}"
+        against = tuple(f"vehicle.loads.{name}" for name in alike[:1])
+        detail = ", ".join([*alike[:1], load.name])
+        yield ComparedValue((at,), float(bool(alike)), against, detail)
 
 
 def compare_lighter(light: str, heavy: str) -> Callable[[RelationContext], ComparedValues]:
@@ -467,7 +502,7 @@ def compare_brake_hold(of: RelationContext) -> ComparedValues:
 
 
 def compare_given_travel(of: RelationContext) -> ComparedValues:
-    """Travel or articulation of a state over the way between the stops."""
+    """Travel or articulation of a state over the way between the stops; nan where it is 0."""
     for line in of.lines:
         at, suspension = line.suspension or ("", None)
         low = suspension.full_rebound_deflection if suspension else None
@@ -477,7 +512,7 @@ def compare_given_travel(of: RelationContext) -> ComparedValues:
         against = (f"{at}.full_rebound_deflection", f"{at}.jounce_deflection")
         for k, state in enumerate(of.application.states, 1):
             for name, moved in (("travel", state.travel), ("articulation", state.articulation)):
-                value = ratio(abs(moved or 0.0), high - low)
+                value = ratio(abs(moved or nan), high - low)
                 yield ComparedValue((f"states[{k}].{name}",), value, against)
 
 
@@ -500,6 +535,21 @@ def compare_stop_distance(name: str, sign: int) -> Callable[[RelationContext], C
                     yield ComparedValue((key,), value, (f"{at}.spring", LADEN))
 
     return distance
+
+
+def compare_stop_load(of: RelationContext) -> ComparedValues:
+    """Load of a spring at its bump stop over that at gvw."""
+    for line in of.lines:
+        at, suspension = line.suspension or ("", None)
+        if suspension and line.laden:
+            own = float(load_per_spring(suspension, float(line.laden.axle_load[0])))
+            keys = f"{at}.spring.rates", f"{at}.spring.load", f"{at}.spring"
+            against = f"{at}.jounce_deflection", f"{at}.springs_per_axle", LADEN
+            with suppress(DesignError):
+                stop = float(
+                    spring_load(suspension.spring, deflection_in_state(suspension, "jounce"))
+                )
+                yield ComparedValue(keys, ratio(stop, own), against)
 
 
 def compare_unladen_strap(of: RelationContext) -> ComparedValues:

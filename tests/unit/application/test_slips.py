@@ -367,6 +367,47 @@ OTHERS = [
     (SMALL, Slip({f"{SHAFT1}.tube": {"outer_mm": 110.6, "wall_mm": 3.2}}, "tube_digits")),
     (SIX, Slip({f"{MAIN}.shafts.1.spline.friction": 0.04}, MEASURE)),
     (PICK_UP, Slip({"gearbox.ratios": [4.31, 2.33, 1.44, 1.00, 0.97, 0.68]}, "gear_steps")),
+    # --- one state copied for another
+    (MEDIUM, Slip({EMPTY: {"front_axle_kg": 4300, "rear_axle_kg": 7700, "cg_height_mm": 1350}},
+                  "load_states_alike")),
+    ("van", Slip({"states.3": {"name": "overload", "kind": "gvw"}}, "states_alike")),
+    (TANDEM, Slip({"states.7.articulation_mm": 4}, "given_travel")),
+    # --- rates of both springs
+    (TANDEM, Slip({"suspension.spring.rates_N_mm": [600, 840]}, "stop_load")),
+    # --- a drive with fewer axles than the lines reach; shares of front and rear swapped
+    (TANDEM, Slip({"vehicle.drive": "6x2"}, "through_driven_axles")),
+    (PICK_UP, Slip({f"{MAIN}.torque_share": 0.4, f"{FRONT}.torque_share": 0.6},
+                   "torque_for_load")),
+    # --- an obstacle behind the line, one on the axle a hand too low
+    (REFUSE, Slip({"obstacles.0.start_mm": [3550, -500, -277],
+                   "obstacles.0.end_mm": [3550, 500, -277]}, "obstacle_beyond_line")),
+    (REFUSE, Slip({"obstacles.0.start_mm": [2550, -500, -377],
+                   "obstacles.0.end_mm": [2550, 500, -377]}, "riding_member_height")),
+    # --- kgf/mm for N/mm, a line half as long, an axle without its hubs
+    (MEDIUM, Slip({f"{BEARING}.vertical_stiffness_N_mm": 15.3,
+                   f"{BEARING}.lateral_stiffness_N_mm": 10.2}, "rubber_bounce")),
+    ("composite-van", Slip({"driveline.points_mm.1": [1280, 0, -155]}, "gearbox_place")),
+    ("mtv-6x6", Slip({f"{MAIN}.axle.ratio": 3.9, "drivelines.inter-axle.axle.ratio": 3.9},
+               "governed_road_speed")),
+    # --- a digit missing or a value doubled, in what had no partner yet
+    (TANDEM, Slip({"states.7.speed_rpm": 30}, "state_road_speed")),
+    ("vecto-4x2", Slip({"states.0.speed_rpm": 60}, "state_road_speed")),
+    ("van", Slip({"axle.pinion.ahead_mm": 540}, "pinion_ahead")),
+    ("van", Slip({"engine.speed_rpm": [180, 3000, 3900]}, "curve_speeds")),
+    (PICK_UP, Slip({f"{FRONT}.joints.1.rated_angle_deg": 0.4}, "rated_angle")),
+    (PICK_UP, Slip({f"{MAIN}.shafts.0.centre_bearing.vertical_stiffness_N_mm": 76},
+                   "rubber_directions")),
+    (INDUSTRIAL, Slip({"states.0.points_mm.1": [1300, 0, 23]}, "fixed_joints")),
+    # --- limits of another class
+    ("van", Slip({"limits": "body-builder"}, "body_builder_limits")),
+    ("van", Slip({"limits": loosened("van", centre_bearing_peak={"maximum": 5000})},
+                 "limits_over_profile")),
+    ("van", Slip({"limits": [{"quantity": "joint_life", "unit": "h", "normal": 5000,
+                              "maximum": 1500, "source": "own"}]}, "looser_limits")),
+    (PICK_UP, Slip({"limits": [{"quantity": "centre_bearing_static", "normal": 1000,
+                                "maximum": 1750, "source": "own"}]}, "limits_over_profile")),
+    (MEDIUM, Slip({"limits": loosened("medium-truck", centre_bearing_static={"maximum": 17500})},
+                  "looser_limits")),
 ]  # fmt: skip
 """Slips on other vehicles and on a machine."""
 
@@ -502,6 +543,24 @@ def test_at_most_three_slips_change_nothing_and_are_not_named():
         and approve_driveline(loads(with_slip(example, slip))).verdict == verdicts[example]
     ]
     assert len(unchanged) <= 3
+
+
+@pytest.mark.parametrize(
+    ("example", "edits"),
+    [
+        (PICK_UP, {f"{MAIN}.torque_share": 0.5, f"{FRONT}.torque_share": 0.5}),
+        ("van", {"limits": loosened("van", centre_bearing_peak={"maximum": 2300})}),
+        (REFUSE, {"obstacles.0.start_mm": [3380, -500, -277],
+                  "obstacles.0.end_mm": [3380, 500, -277]}),
+        (TANDEM, {"states.7.articulation_mm": 15}),
+        (MEDIUM, {f"{BEARING}.vertical_stiffness_N_mm": 75,
+                  f"{BEARING}.lateral_stiffness_N_mm": 50}),
+        ("van", {"states.3": {"name": "overload", "kind": "gvw", "speed_rpm": 3000}}),
+        (INDUSTRIAL, {"states.1.points_mm": [[0, 0, 0], [1300, 0, -23], [2900, 0, -107]]}),
+    ],
+)  # fmt: skip
+def test_value_another_design_may_have_is_not_named(example, edits):
+    assert loads(with_slip(example, Slip(edits, ""))).warnings == ()
 
 
 def test_relations_have_names_of_their_own_and_a_source():
