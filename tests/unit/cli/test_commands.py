@@ -26,6 +26,7 @@ from cardan.cli.common import progress_line
 from cardan.core.errors import DesignError
 from cardan.core.message import TranslatableMessage
 from cardan.core.provenance import SOURCE_DERIVED
+from cardan.render.i18n import LANGUAGE_CODES, message_catalogue
 from cardan.topics.design.corrections import find_corrections
 from cardan.topics.torsion.study import analyse_vibration
 from cardan.topics.verification.published_cases import BenchmarkCase, benchmark_cases
@@ -589,6 +590,16 @@ def test_verify_reproduces_published_cases():
     for case in cases:
         assert abs(case["computed"] - case["published"]) <= case["within"]
         assert case["source"] in shown
+
+
+def test_every_published_case_has_its_title_in_every_language():
+    for code in LANGUAGE_CODES[1:]:
+        known = message_catalogue(code)
+        assert {c.title.text for c in benchmark_cases() if ("", c.title.text) not in known} == set()
+    shown = run("verify", "--lang", "it").stdout
+    assert "ok     Angolo vero del giunto 1, deg              2,7819" in shown
+    assert "tabella 3" in shown
+    assert not {"case", "published", "computed", "difference", "WRONG"} & set(shown.split())
 
 
 def test_verify_uses_many_sources_and_marks_derived_cases():
