@@ -272,8 +272,8 @@ def _wheelbase(measures: ChassisMeasures, vehicle: Vehicle) -> tuple[Metre, str]
     if vehicle.axle_count == 2:
         found |= {f"BEP-{c}": values[c] for c in ("L010", "L012.1", "L012") if c in values}
     if not found:
-        needs = "BEP-L011" if rear_axles == 1 else "BEP-L011 with BEP-L014"
-        needs += "" if front_axles == 1 else " and BEP-L013"
+        needs = "BEP-L011" if rear_axles == 1 else "BEP-L011 + BEP-L014"
+        needs += "" if front_axles == 1 else " + BEP-L013"
         given = ", ".join(f"BEP-{c}" for c in values) or "none"
         issue = FileIssue(
             message="gives no wheelbase between the load points of the axles",

@@ -95,7 +95,7 @@ def bracket(
     say = Translator(lang)
     if optimise:
         if vtu or png or html or step or inp or bdf:
-            msg = "--optimise chooses sizes: it draws nothing; put them into the file and ask again"
+            msg = "--optimise chooses sizes: it draws nothing; put them into the file and run again"
             raise DesignError(msg)
         outputs = validate_output_paths(file, limits, json_out=json_out)
         application = read_application(file, limits, allow_outside=allow_outside, outputs=outputs)

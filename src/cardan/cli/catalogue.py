@@ -137,7 +137,7 @@ def catalogue(
             )
         return
     if name not in ("joints", "tubes"):
-        raise_command_error(f"--for asks joints and tubes what they carry; {name} carry no torque")
+        raise_command_error(f"--for chooses joints and tubes by torque; {name} carry no torque")
     from cardan.core.units import hour
     from cardan.physics.strength.bearing_life import PRIME_MOVER_FACTORS
     from cardan.topics.design.part_selection import PartRequirement, rank_candidates

@@ -147,7 +147,7 @@ def _warning_text(warning: Any, file: str) -> str:
     from cardan.render.phrases import file_problem_line
 
     say = Translator(lang)
-    return f"{say('warning')}: {file_problem_line(warning, file, say)}"
+    return f"{say('warning')}: {file_problem_line(warning, file, say, is_warning=True)}"
 
 
 def approve_file(

@@ -59,6 +59,9 @@ MAX_LINES = 40
 """Lines of the screen at 80 columns; the blocks below keep to it together."""
 
 MAX_TABLE_LINES = 13
+MAX_TABLE_LINES_WITH_DETAILS = 15
+"""Lines of the table of criteria; the two more are for gear and speed of worst cases alone."""
+
 MAX_ROWS_BESIDE_EXCEEDED = 6
 """Rows at most, where criteria that are not exceeded fill the table."""
 MIN_ROWS = 3
@@ -133,7 +136,7 @@ def screen_lines(
     """
     screen = _screen(of, say, width)
     required, optional = _not_evaluated_lines(screen)
-    rows, rest = _chosen_criteria(screen)
+    rows, rest, whole = _chosen_criteria(screen)
     shown = (value_text(c.worst, say) for c in (*rows, *rest))
     explanation = screen.fold(*lower_bound_explanation(shown, say))
     above = [
@@ -141,7 +144,7 @@ def screen_lines(
         *_read_lines(screen),
         *screen.fold(_count_text(screen)),
         *required,
-        *_table_lines(screen, rows),
+        *_table_lines(screen, rows, whole),
         *_rest_lines(screen, rest),
         *explanation,
         *_correction_lines(screen, helps),
@@ -287,29 +290,38 @@ def _count_text(screen: _Screen) -> str:
 # --------------------------------------------------------------------------- criteria
 
 
-def _chosen_criteria(screen: _Screen) -> tuple[list[Criterion], list[Criterion]]:
+def _chosen_criteria(screen: _Screen) -> tuple[list[Criterion], list[Criterion], int]:
     """Return the criteria that have rows, and the others that are exceeded or beyond recommended.
 
     All exceeded ones have rows while there is room. Where they are few others follow, the
-    nearest to their limits.
+    nearest to their limits. The third result is how many rows, the first of them, have room for
+    gear and speed of their worst case on a second line.
     """
     ranked = [c for grade in ("fail", "warn", "pass") for c in screen.graded(grade)]
     exceeded = len(screen.graded("fail"))
     beyond = exceeded + len(screen.graded("warn"))
     count = max(exceeded, min(beyond, MAX_ROWS_BESIDE_EXCEEDED), MIN_ROWS)
-    while count > 1 and len(list(_table_lines(screen, ranked[:count]))) > MAX_TABLE_LINES:
+
+    def line_count(whole: int) -> int:
+        return len(list(_table_lines(screen, ranked[:count], whole)))
+
+    while count > 1 and line_count(0) > MAX_TABLE_LINES:
         count -= 1
-    return ranked[:count], [c for c in ranked[count:] if c.grade != "pass"]
+    fitting = (n for n in range(count, 0, -1) if line_count(n) <= MAX_TABLE_LINES_WITH_DETAILS)
+    whole = next(fitting, 0)
+    return ranked[:count], [c for c in ranked[count:] if c.grade != "pass"], whole
 
 
-def _table_lines(screen: _Screen, rows: Sequence[Criterion]) -> Iterator[str]:
+def _table_lines(screen: _Screen, rows: Sequence[Criterion], whole: int) -> Iterator[str]:
     """Yield a row for each criterion: name, value, limit, where it is worst.
 
-    Of several lines the worst line's rows stand first, each line below its name.
+    Of several lines the worst line's rows stand first, each line below its name. Of the first
+    `whole` rows the worst case keeps its gear and speed, on a second line where it must.
     """
     if not rows:
         return
     say, several = screen.say, screen.is_of_several_lines
+    kept = {c.key for c in rows[:whole]}
     rows = by_line(rows) if several else rows
     values = [value_text(c.worst, say) for c in rows]
     limits = [limit_text(c.worst, say) for c in rows]
@@ -317,7 +329,10 @@ def _table_lines(screen: _Screen, rows: Sequence[Criterion]) -> Iterator[str]:
     wide_limit = max(map(len, [*limits, say("limit")]))
     free = screen.width - 2 - 1 - wide_value - 2 - wide_limit - 2
     rooms = range(MIN_NAME_COLUMNS, max(free - MIN_CONDITION_COLUMNS, MIN_NAME_COLUMNS) + 1)
-    layouts = ([_row_layout(screen, c.worst, room, free - room) for c in rows] for room in rooms)
+    layouts = (
+        [_row_layout(screen, c.worst, room, free - room, whole=c.key in kept) for c in rows]
+        for room in rooms
+    )
     room, cells = min(zip(rooms, layouts, strict=True), key=lambda one: _cost(one[1]))
     head = f"  {say('criterion'):<{room}} {say('value'):>{wide_value}}  "
     yield bold(f"{head}{say('limit'):<{wide_limit}}  {say('worst case')}")
@@ -345,8 +360,11 @@ class _RowLayout:
     omitted: int
 
 
-def _row_layout(screen: _Screen, c: Check, room: int, left: int) -> _RowLayout:
-    """Return a row with its name in so many columns, and where it is worst in the rest."""
+def _row_layout(screen: _Screen, c: Check, room: int, left: int, *, whole: bool) -> _RowLayout:
+    """Return a row with its name in so many columns, and where it is worst in the rest.
+
+    If it is to be `whole`, only the name of the mode is omitted for want of room.
+    """
     name, conditions = screen.name(c), condition_texts(c, screen.say)
     if len(name) > room and c.part != WHOLE_LINE and not names_its_part(c.quantity):
         name = short_name(c, screen.say, screen.qualifiers)
@@ -354,6 +372,8 @@ def _row_layout(screen: _Screen, c: Check, room: int, left: int) -> _RowLayout:
         conditions = tuple(screen.say.join(part, condition) for condition in conditions)
     fitting = [k for k, text in enumerate(conditions) if len(text) <= left]
     chosen = min(fitting, default=len(conditions) - 1)
+    if whole:
+        chosen = min(chosen, 1 if c.mode and c.point and not c.point.is_spline_stuck else 0)
     first, *others = wrap_text(name, room)
     return _RowLayout(
         name=[first, *wrap_text(" ".join(others), room - 2)] if others else [first],

@@ -438,9 +438,14 @@ def note_sentences(of: "Approval", say: Translator) -> list[str]:
     return found
 
 
-def file_problem_line(of: FileIssue, file: str, say: Translator) -> str:
+def file_problem_line(
+    of: FileIssue, file: str, say: Translator, *, is_warning: bool = False
+) -> str:
     """Return what is wrong in a file as one line, in the language."""
-    told = replace(of, message=say.error(of.message), hint=say.error(of.hint))
+    message = say.error(of.message)
+    if is_warning:  # of an error numbers stand as the file has to write them
+        message = say.localise_numbers(message)
+    told = replace(of, message=message, hint=say.error(of.hint))
     if of.value:
         told = replace(told, message=f"{told.message} ({say.error(f'got {of.value}')})", value="")
     if of.against:
@@ -457,7 +462,10 @@ def file_warning_lines(of: "Approval", say: Translator) -> list[str]:
     """Return what looked wrong while an application was read, each with its line and key."""
     written = of.application.written
     name = Path(written.name).name if written else of.application.title
-    return [file_problem_line(warning, name, say) for warning in of.application.warnings]
+    return [
+        file_problem_line(warning, name, say, is_warning=True)
+        for warning in of.application.warnings
+    ]
 
 
 def error_text(error: Exception, say: Translator) -> str:

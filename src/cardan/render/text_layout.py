@@ -16,8 +16,8 @@ NO_BREAK_SPACE = "\u00a0"
 """A space at which no line ends."""
 
 _UNIT_PATTERN = r"(?:%|Hz|N|N·m|MPa|deg|h|kN|kg|km|mm|rad/s²?|rpm|s)(?![\w/·²])"
-_NO_BREAK_POSITIONS = re.compile(rf"(?<!\d,) (?=\d)|(?<=\d) (?={_UNIT_PATTERN})")
-"""Where no line ends: ahead of a number, but in a row of them, and between it and its unit."""
+_NO_BREAK_POSITIONS = re.compile(rf"(?<!,) (?=\d)|(?<=\d) (?={_UNIT_PATTERN})")
+"""Where no line ends: ahead of a number that no comma precedes, and between it and its unit."""
 
 _COLOUR_CODE = re.compile(r"\x1b\[[0-9;]*m")
 

@@ -73,7 +73,7 @@ def test_friction_left_out_turns_verdict_between_its_ends():
     assert worst.within == pytest.approx((loose, firm), rel=1e-9)
     assert worst.assumed == (AssumedRange("tyre.friction", 0.6667, 0.96),)
     text = check_location(worst, Translator("en"))
-    assert "with tyre.friction 0.667 to 0.96 (assumed), by that it may fail" in text
+    assert "with tyre.friction 0.667 to 0.96 (assumed), by that it may be exceeded" in text
     document = check_json(worst)
     assert document["may_be"] == "fail"
     assert document["assumed"] == [
@@ -104,7 +104,7 @@ def test_life_with_unknown_prime_mover_lies_between_its_factors():
     assert worst.grade == "fail"
     assert worst.best_possible_grade == "pass"
     assert np.array(worst.within) / 3600 == pytest.approx([hours, 1.25 * hours], rel=1e-9)
-    assert "by that it may pass" in check_location(worst, Translator("en"))
+    assert "by that it may be met" in check_location(worst, Translator("en"))
 
 
 def test_loss_factor_of_rubber_turns_force_near_resonance():

@@ -111,7 +111,7 @@ def test_verdict_changed_by_deflected_angle_is_noted(tmp_path, maximum, says):
     assert ("the bearings where it moves them" in told) == says
     if says:
         assert "Joint angle, joint 2 of line main, would be 2.071" in told
-        assert "for 1.886 deg in bump: fail" in told
+        assert "for 1.886 deg in bump: exceeded" in told
 
 
 def test_message_arguments_are_translated():

@@ -65,7 +65,10 @@ def test_hot_rubber_turns_compression_that_passes_at_rest():
     assert worst.within == pytest.approx((at_rest, at_rest / 0.7), rel=0.01)
     assert (worst.grade, worst.worst_possible_grade) == ("pass", "warn")
     text = check_location(worst, Translator("en"))
-    assert "with centre_bearing.stiffness_range 0.7 to 2 (assumed), by that it may warn" in text
+    assert (
+        "with centre_bearing.stiffness_range 0.7 to 2 (assumed), by that it may be beyond "
+        "recommended" in text
+    )
 
 
 def test_range_that_a_file_gives_is_no_assumption():

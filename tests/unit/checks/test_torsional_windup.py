@@ -101,4 +101,4 @@ def test_acceleration_depending_on_windup_is_noted(tmp_path):
     told = " ".join(done.output.split())
     assert done.exit_code == 0, told
     assert "Torsional acceleration" in told
-    assert "would be 44.06 for 41.86 rad/s² in as given: fail" in told
+    assert "would be 44.06 for 41.86 rad/s² in as given: exceeded" in told

@@ -26,6 +26,7 @@ from cardan.cli.common import progress_line
 from cardan.core.errors import DesignError
 from cardan.core.message import TranslatableMessage
 from cardan.core.provenance import SOURCE_DERIVED
+from cardan.render.i18n import LANGUAGE_CODES, message_catalogue
 from cardan.topics.design.corrections import find_corrections
 from cardan.topics.torsion.study import analyse_vibration
 from cardan.topics.verification.published_cases import BenchmarkCase, benchmark_cases
@@ -220,16 +221,20 @@ def test_every_block_of_long_output_has_an_option():
         return run("check", *options, file).stdout.splitlines()
 
     def rows(printed: list[str]) -> list[str]:
-        return [x for x in printed if x.startswith(("pass  ", "warn  ", "fail  "))]
+        return [x for x in printed if re.match(r"[X! ] \S.* (<=|>=|outside) .*\[\d+\]$", x)]
 
     every, first = lines("--all"), lines()
     assert len(rows(every)) == len(checks)
-    grades = [row[:4] for row in rows(every)]
-    assert grades == sorted(grades, key=["fail", "warn", "pass"].index)
+    marks = [row[0] for row in rows(every)]
+    assert marks == sorted(marks, key="X! ".index)
     assert rows(first) == []
     limits = {(c["quantity"], c["source"], c["sense"]) for c in checks}
     assert len(rows(lines("--sources"))) == len(limits)
-    blocks = {"--sources": "Note: ", "--moves": "What would help", "--states": "Speed and strength"}
+    blocks = {
+        "--sources": "Note: ",
+        "--moves": "Single corrections (`cardan fix`",
+        "--states": "Speed and strength",
+    }
     for option, text in blocks.items():
         assert not any(text in line for line in first)
         assert any(text in line for line in every)
@@ -591,6 +596,16 @@ def test_verify_reproduces_published_cases():
         assert case["source"] in shown
 
 
+def test_every_published_case_has_its_title_in_every_language():
+    for code in LANGUAGE_CODES[1:]:
+        known = message_catalogue(code)
+        assert {c.title.text for c in benchmark_cases() if ("", c.title.text) not in known} == set()
+    shown = run("verify", "--lang", "it").stdout
+    assert "ok     Angolo vero del giunto 1, deg              2,7819" in shown
+    assert "tabella 3" in shown
+    assert not {"case", "published", "computed", "difference", "WRONG"} & set(shown.split())
+
+
 def test_verify_uses_many_sources_and_marks_derived_cases():
     cases = benchmark_cases()
     citable = [c for c in cases if c.kind == "published"]
@@ -809,8 +824,8 @@ def test_proposal_is_checked_against_every_study_of_check(row, verdict, tmp_path
     assert (first["verdict"], result.exit_code) == (verdict, 0 if verdict == "warn" else 1)
     assert any(c["quantity"].startswith("torsional_r") for c in first["checks"]) == (row != GROWS)
     said = " ".join(result.stdout.split())
-    assert ("still fail: Growth of torsional vibration" in said) == (verdict == "fail")
-    assert ("required, and needs a campaign" in said) == (verdict == "incomplete")
+    assert ("still exceeded: Growth of torsional vibration" in said) == (verdict == "fail")
+    assert ("required, input missing: a campaign" in said) == (verdict == "incomplete")
 
 
 @pytest.mark.slow
@@ -860,9 +875,13 @@ def test_fix_explains_why_single_correction_is_not_proposed():
     """The van's shim answers its joint angle, and passes what another joint may accelerate by."""
     said = " ".join(run("fix", "--all", EXAMPLES / "van.yaml").stdout.split())
     assert said.startswith("Nothing that may be moved, within `adjust`")
-    assert "pinion angle +1° (shim) gives 2.518, but then fail: Single-joint acceleration" in said
+    assert (
+        "pinion angle +1° (shim) gives 2.518, but then exceeded: Single-joint acceleration" in said
+    )
     told = " ".join(run("check", "--moves", EXAMPLES / "van.yaml").stdout.split())
-    assert "pinion angle +1° (shim) gives 2.518, but then fail: Single-joint acceleration" in told
+    assert (
+        "pinion angle +1° (shim) gives 2.518, but then exceeded: Single-joint acceleration" in told
+    )
 
 
 @pytest.mark.slow
@@ -871,9 +890,9 @@ def test_proposal_lists_checks_that_it_makes_fail():
     said = " ".join(
         run("fix", "--all", "--count", "2", EXAMPLES / "refuse-collector-6x2.yaml").stdout.split()
     )
-    assert "but then fail: Single-joint acceleration, joint 4 in empty" in said
-    assert "still fail: Inertia acceleration, overrun" in said
-    assert "still fail: Single-joint acceleration" not in said
+    assert "but then exceeded: Single-joint acceleration, joint 4 in empty" in said
+    assert "still exceeded: Inertia acceleration, overrun" in said
+    assert "still exceeded: Single-joint acceleration" not in said
 
 
 @pytest.mark.slow

@@ -108,6 +108,17 @@ def test_vecto_job_gives_powertrain_of_application(job, tmp_path):
     assert (gvw.front_load, gvw.rear_load) == pytest.approx((4796 * g, 7194 * g))
 
 
+def test_remarks_on_a_job_and_its_duty_are_in_the_language(job, tmp_path):
+    changed(job.parent / "a.vveh", '"VehCat"', '"TorqueLimits": {"2": 800}, "VehCat"')
+    (tmp_path / "town.vmod").write_text(RESULTS, "utf-8")
+    made = run("new", tmp_path / "t.yaml", "--vecto", job, "--vmod", tmp_path / "town.vmod",
+               "--lang", "pt")  # fmt: skip
+    assert made.exit_code == 0, made.stderr
+    assert "Retarder é Secondary: não transferido." in made.stdout
+    assert "limites de torque por marcha não são aplicados: marcha 2: 800 Nm." in made.stdout
+    assert "simulado, não medido: VECTO, town.vmod, colunas P_axle_in, v_act" in made.stdout
+
+
 def test_values_of_vecto_job_name_file_and_key(job, tmp_path):
     run("new", tmp_path / "truck.yaml", "--vecto", job)
     text = (tmp_path / "truck.yaml").read_text("utf-8")

@@ -134,7 +134,7 @@ def test_new_wheelbase_names_table_in_place_of_old_source(tmp_path):
     [
         ("name,x\njoint 1,0\n", "no row has a code of ISO 21308 and a value"),
         ("BEP-L011,4100\n", "gives no wheelbase between the load points of the axles; BEP-L015, "
-         "or BEP-L011 with BEP-L014; it has BEP-L011"),
+         "or BEP-L011 + BEP-L014; it has BEP-L011"),
         ("BEP-L015;5040\nBEP-L011;4500\nBEP-L014;500\n", "BEP-L015 and BEP-L011, BEP-L014 "
          "contradict each other: wheelbases of 5040 mm and 5000 mm"),
         ("BEP-L015,5.04\n", "BEP-L015: the wheelbase must be 500 to 20000 mm (got 5.04 mm)"),
@@ -164,6 +164,22 @@ def test_every_code_without_use_is_listed(tmp_path):
     found = read_measures(tmp_path / "t.csv")
     assert found.unused == (*(f"{c}.1" for c in codes), "W030.4R")
     assert found.unknown == ()
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("pt", ("entre-eixos 4100 mm, BEP-L015.", "não usados: BEP-L001 comprimento total.")),
+        ("it", ("passo 4100 mm, BEP-L015.", "non usati: BEP-L001 lunghezza totale.")),
+    ],
+)
+def test_notes_on_measures_are_in_the_language(tmp_path, code, said):
+    table = "code,value [mm]\nBEP-L015,4100\nBEP-L001,7000\nBEP-Z999,1\n"
+    made, _ = written(tmp_path, table, "--lang", code)
+    assert made.exit_code == 0, made.stderr
+    shown = " ".join(made.stdout.split())
+    assert all(one in shown for one in said)
+    assert not {"wheelbase", "used", "not", "public", "axle", "line"} & set(shown.split())
 
 
 # --------------------------------------------------------------------------- recordings, VECTO 2

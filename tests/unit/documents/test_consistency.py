@@ -617,7 +617,7 @@ def test_profile_without_study_limits_does_not_pass_the_study(asked, tmp_path):
 def test_chapter_without_checks_is_incomplete(undamped):
     (vibration,) = [f for f in undamped.study_results if f.study == VIBRATION_STUDY_NAME]
     text = next(vibration_blocks(replace(vibration, checks=()), Translator("en")))
-    assert text.paragraphs[0] == "Vibration: INCOMPLETE (0 fail, 0 warn, 0 pass)."
+    assert text.paragraphs[0] == "Vibration: INCOMPLETE (0 exceeded, 0 beyond recommended, 0 met)."
 
 
 def test_bracket_default_limits_apply_in_driveline_check(tmp_path):

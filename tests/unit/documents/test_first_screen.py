@@ -217,6 +217,20 @@ def test_screen_of_many_exceeded_criteria_stays_one_screen(code):
     assert int(counted[1]) > 5
 
 
+def test_worst_case_keeps_speed_and_stuck_spline_in_every_language():
+    """Portuguese and Italian names are longer: gear and speed were dropped there."""
+    found = approve_driveline(reader.read(ROOT / "examples/mtv-6x6.yaml"))
+    points = [c.worst.point for c in criteria_of(found.checks) if c.grade == "fail"]
+    speeds = [round(at.speed / rpm) for at in points if at and at.speed]
+    assert len(speeds) >= 3
+    for code in LANGUAGE_CODES:
+        say, shown = Translator(code), " ".join(" ".join(screen(found, code)).split())
+        for speed in speeds:
+            assert shown.count(f"{speed} rpm") >= speeds.count(speed)
+        if any(at.is_spline_stuck for at in points if at):
+            assert say("spline stuck") in shown
+
+
 # --------------------------------------------------------------------------- data
 
 

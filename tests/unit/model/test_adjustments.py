@@ -261,7 +261,8 @@ def test_shim_correction_lists_failures_of_inter_axle_line():
     )
     assert force < static.check.value - 300
     assert (
-        f"pinion angle -1° (shim) gives {force:.0f}, but then fail: inter-axle: Joint angle" in told
+        f"pinion angle -1° (shim) gives {force:.0f}, but then exceeded: inter-axle: Joint angle"
+        in told
     )
     failed, fails = (
         {(c.line, c.quantity) for c in of.checks if c.grade == "fail"} for of in (before, after)

@@ -189,12 +189,12 @@ class ToleranceModel:
             return {to: np.broadcast_to(m, (len(off), m.shape[-1])) for to, m in found.items()}
         lost: dict[LimitBoundName, FloatArray] = {
             to: np.full_like(m, -MARGIN_CAP)
-            for to, m in self.margins(ways, amounts, np.zeros_like(off[:1])).items()
+            for to, m in self.margins(ways, amounts, np.zeros_like(off[:1]), proved=proved).items()
         }
         some: list[dict[LimitBoundName, FloatArray]] = []
         for row in off:
             try:
-                some.append(self.margins(ways, amounts, row[None]))
+                some.append(self.margins(ways, amounts, row[None], proved=proved))
             except (InvalidFileError, DesignError):
                 some.append(lost)
         return {to: np.concatenate([m[to] for m in some]) for to in lost}

@@ -393,9 +393,9 @@ def test_bracket_limits_are_checked_at_worst_feature():
     ]
     assert "between 0.6 and 1.2 by what elements, flange" in check_location(toe, Translator("en"))
     for code, word in (
-        ("en", "may warn"),
-        ("pt", "pode ser um alerta"),
-        ("it", "può dare attenzione"),
+        ("en", "may be beyond recommended"),
+        ("pt", "pode ficar além do recomendado"),
+        ("it", "può essere oltre il raccomandato"),
     ):
         assert word in check_location(toe, Translator(code))
         assert word not in check_location(sheet, Translator(code))

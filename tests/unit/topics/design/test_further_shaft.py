@@ -63,8 +63,8 @@ def test_today_stands_beside_the_proposal(tmp_path):
     assert "Line main, today and with the further shaft" in done.stdout
     table = done.stdout.partition("today and with the further shaft")[2].splitlines()
     row = next(x for x in table if x.strip().startswith("Speed / critical speed"))
-    assert row.split()[4:6] == ["1.35", "fail"]
-    assert row.split()[7:] == ["pass", "≤", "0.650", "|", "0.750"]
+    assert row.split()[4:6] == ["1.35", "exceeded"]
+    assert row.split()[7:] == ["met", "≤", "0.650", "|", "0.750"]
     document = json.loads(
         CliRunner().invoke(cli, ["size", str(file), "-q", "--json"], catch_exceptions=False).stdout
     )

@@ -134,7 +134,7 @@ def test_range_ends_are_evaluated_if_no_single_step_helps(truck):
     assert (effect.back, effect.forth) == pytest.approx((least, given[1.0]), rel=1e-9)
     assert max(given[-0.3], given[0.3]) < off.check.value < off.check.limit.normal < given[-0.5]
     assert helpful_adjustment_phrases(off, ENGLISH) == [
-        "rubber of all bearings softer by 50 % gives 0.2297, but then fail: Thrust / critical "
+        "rubber of all bearings softer by 50 % gives 0.2297, but then exceeded: Thrust / critical "
         "compression in gvw: 0.8226 against 0.7000"
     ]
 

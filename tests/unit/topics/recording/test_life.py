@@ -231,7 +231,7 @@ def test_dead_and_empty_recordings_are_rejected():
 def test_verdict_text_names_dominating_cause():
     guilty = ShapleyAttribution((CAUSE_JOINTS, CAUSE_SUDDEN_EVENTS), np.array([0, 0.8, 0.1, 1.0]))
     assert verdict("S1", guilty) == (
-        "S1: the joints' orders answer for 85.0 % of the damage; "
+        "S1: the joints' orders account for 85.0 % of the damage; "
         "without them it would live 10 times as long."
     )
     innocent = ShapleyAttribution((CAUSE_JOINTS, CAUSE_SUDDEN_EVENTS), np.array([0, 0.0, 1.0, 1.0]))
@@ -275,7 +275,7 @@ def test_life_command_prints_life_and_causes(parquet):
     done = run(parquet, *ALL, "--all")
     assert done.exit_code == 0, done.output
     assert "synthetic: made by a generator, not measured" in done.output
-    assert "S1: the joints' orders answer for" in done.output
+    assert "S1: the joints' orders account for" in done.output
     assert "Shares are Shapley values" in done.output
     assert "residue: half cycles" in done.output
 
@@ -337,9 +337,9 @@ def test_damage_causes_are_attributed_per_gauge(drive):
 @pytest.mark.slow
 def test_tacho_or_estimated_speed_replaces_speed_channel(parquet):
     by_tacho = run(parquet, "--gauge", "S1", "--sn", "30,2e6,5", "--tacho", "tacho", "--all")
-    assert "the joints' orders answer for" in by_tacho.output
+    assert "the joints' orders account for" in by_tacho.output
     guessed = run(parquet, "--gauge", "S1", "--sn", "30,2e6,5", "--estimate-speed", "S1", "--all")
-    assert "the joints' orders answer for" in guessed.output
+    assert "the joints' orders account for" in guessed.output
 
 
 @pytest.mark.slow
@@ -491,7 +491,7 @@ def profile(folder, normal):
 def test_missed_target_life_fails(broken):
     done = run(broken, *ONE, "--target-hours", "1e9", "--all")
     assert done.exit_code == 1, done.output
-    assert "broken.csv: NOT APPROVED (1 fail, 0 warn, 0 pass)" in done.output
+    assert "broken.csv: NOT APPROVED (1 exceeded, 0 beyond recommended, 0 met)" in done.output
     assert "given with the recording" in done.output
     assert "-100 %" in done.output
 
@@ -502,7 +502,7 @@ def test_life_equal_to_target_passes(broken):
     assert run(broken, *ONE, "--target-hours", repr(hours)).exit_code == 0
     assert run(broken, *ONE, "--target-hours", repr(1.001 * hours)).exit_code == 1
     done = run(broken, *ONE, "--target-hours", repr(hours), "--all")
-    assert "broken.csv: APPROVED (0 fail, 0 warn, 1 pass)" in done.output
+    assert "broken.csv: APPROVED (0 exceeded, 0 beyond recommended, 1 met)" in done.output
 
 
 def test_life_between_normal_and_maximum_limit_warns(broken, tmp_path):
@@ -510,13 +510,16 @@ def test_life_between_normal_and_maximum_limit_warns(broken, tmp_path):
     rows = profile(tmp_path, 2 * hours_of(broken))
     done = run(broken, *ONE, "--limits", rows, "--all")
     assert done.exit_code == 0, done.output
-    assert "broken.csv: APPROVED WITH WARNINGS (0 fail, 1 warn, 1 pass)" in done.output
+    assert (
+        "broken.csv: APPROVED WITH WARNINGS (0 exceeded, 1 beyond recommended, 1 met)"
+        in done.output
+    )
     assert "limits: ours" in done.output
     assert "our rule 1" in done.output
     assert "no business" not in done.output
     both = run(broken, *ONE, "--limits", rows, "--target-hours", "1e9", "--all")
     assert both.exit_code == 1
-    assert "NOT APPROVED (1 fail, 1 warn, 1 pass)" in both.output
+    assert "NOT APPROVED (1 exceeded, 1 beyond recommended, 1 met)" in both.output
 
 
 @pytest.mark.parametrize("gauge", ["S2", "S3"])
@@ -524,13 +527,16 @@ def test_dead_gauge_leaves_verdict_incomplete(broken, gauge):
     """A wire that is off would live for ever: no damage in any hour."""
     done = run(broken, *ONE, "--gauge", gauge, "--target-hours", "0.001", "--all")
     assert done.exit_code == 1, done.output
-    assert "broken.csv: INCOMPLETE (0 fail, 0 warn, 1 pass, 1 not evaluated)" in done.output
+    assert (
+        "broken.csv: INCOMPLETE (0 exceeded, 0 beyond recommended, 1 met, 1 not evaluated)"
+        in done.output
+    )
     needs = f"Fatigue life, {gauge}: required, and needs a recording in which all its channels move"
     assert needs in done.output
     assert f"{gauge}: said nothing, so its life is not known" in done.output
     alone = run(broken, "--gauge", gauge, *ONE[2:], "--target-hours", "0.001", "--all")
     assert alone.exit_code == 1
-    assert "INCOMPLETE (0 fail, 0 warn, 0 pass, 1 not evaluated)" in alone.output
+    assert "INCOMPLETE (0 exceeded, 0 beyond recommended, 0 met, 1 not evaluated)" in alone.output
     # Failing goes before missing.
     both = run(broken, *ONE, "--gauge", gauge, "--target-hours", "1e9")
     assert both.output.splitlines()[0].endswith(" NOT APPROVED")

@@ -11,6 +11,9 @@ import pytest
 from repository import ROOT
 
 from cardan.cli.life import life as command
+from cardan.physics.fatigue import mean_stress
+from cardan.topics.recording import options
+from cardan.topics.recording.json_presentation import MEAN_STRESS_CODES, RESIDUE_RULE_CODES
 from cardan.topics.recording.option_table import OPTIONS, in_order, statement_rows
 from cardan.topics.recording.options import AnalysisOptions
 
@@ -24,6 +27,20 @@ ADDED = """
         workbench=WorkbenchField(),
     )
 """
+
+
+@pytest.mark.parametrize(
+    ("residue", "code"),
+    [("half", "half_cycles"), ("repeat", "repeating"), ("discard", "discarded")],
+)
+def test_residue_rule_has_its_code_in_json(residue, code):
+    assert RESIDUE_RULE_CODES[options._RESIDUES[residue]] == code
+
+
+def test_every_mean_stress_correction_has_its_code_in_json():
+    choices = {"none", "goodman", "gerber", "swt", "walker", "fkm"}
+    assert set(MEAN_STRESS_CODES.values()) == choices - {"none"} | {"uncorrected"}
+    assert all(getattr(mean_stress, code) is f for f, code in MEAN_STRESS_CODES.items())
 
 
 @pytest.mark.slow
