@@ -513,6 +513,21 @@ def test_three_dimensional_view_is_drawn(tmp_path):
         clean(driver)
 
 
+def test_yoke_phase_is_seen_in_three_dimensions(tmp_path):
+    """A joint was a ball: a shaft in phase and one out of phase looked alike."""
+    picture = "return document.querySelector('.canvas canvas').toDataURL()"
+    with browsing(deep=True) as driver, workbench(tmp_path, CHAIN) as (house, _):
+        opened(driver, house)
+        driver.find_elements("css selector", ".views .chips button")[-1].click()
+        wait(driver, "return document.querySelector('.canvas canvas')")
+        driver.execute_async_script("setTimeout(arguments[0], 500)")
+        in_phase = driver.execute_script(picture)
+        driver.execute_script("document.querySelectorAll('.dials .set button')[1].click()")
+        wait(driver, SETTLED)
+        wait(driver, f"{picture} !== arguments[0]", in_phase)
+        clean(driver)
+
+
 DRAWN = """
     const c = document.querySelector('.canvas canvas'), d = document.createElement('canvas');
     [d.width, d.height] = [c.width, c.height];

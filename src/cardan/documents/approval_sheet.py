@@ -67,7 +67,7 @@ MAX_OPEN_POINTS = 6
 MAX_OPEN_POINT_CHARACTERS = 240
 """Of one open point: two lines; the annex has the whole."""
 
-SIDE_VIEW_HEIGHT_MM = 42.0
+SIDE_VIEW_HEIGHT_MM = 38.0
 
 
 def identification_facts(of: Application, say: Translator) -> tuple[tuple[str, str], ...]:

@@ -20,7 +20,7 @@ YOKE_LENGTH_TO_HALF_HEIGHT = 1.7
 CROSS_RADIUS_PX = 4.0
 EXTENSION_PX, ARC_RADIUS_PX = 74.0, 62.0
 """How far a member's axis is drawn on beyond a joint, and where its angle is marked on it."""
-FRAME_GAP_PX = 36.0
+FRAME_GAP_PX = 30.0
 """From the highest centre bearing to the frame, which no file places."""
 LEAST_SHARE = 0.05
 

@@ -42,11 +42,13 @@ from cardan.topics.design.suspension_travel import line_at_operating_point
 
 DRAWING_WIDTH_PX = 780.0
 """On a page of A4 letters of 11 px are then 7 pt high."""
-MARGIN_LEFT_PX, MARGIN_RIGHT_PX, MARGIN_TOP_PX, MARGIN_BOTTOM_PX = 24.0, 160.0, 24.0, 46.0
+MARGIN_LEFT_PX, MARGIN_RIGHT_PX, MARGIN_TOP_PX, MARGIN_BOTTOM_PX = 24.0, 160.0, 18.0, 46.0
 MAX_VIEW_HEIGHT_PX = 250.0
 """Height a view may take, pixels; what is left of it is used to exaggerate."""
 
 VERTICAL_EXAGGERATIONS = (10, 5, 2, 1)
+MAX_STATE_VIEW_HEIGHT_PX = 90.0
+"""The same of the view on the sheet to sign, whose letters are the larger the lower it is."""
 MAX_THICKNESS_PX = 46.0
 """How thick the thickest tube may be drawn: a short line is drawn shorter than the page."""
 DEFAULT_THICKNESS_M = 0.05
@@ -116,7 +118,9 @@ def side_view_in_state(
     layout, c = response.layout[s], UPWARD_AXIS_INDEX_BY_VIEW["side"]
     rise = float(np.broadcast_to(response.demand.travel, response.joint_angles.shape[:-1])[s])
     there = tuple(_obstacle_at_travel(o, rise) for o in response.inputs.obstacles)
-    page = _view_scale(response, layout, layout, there, c, exaggerations=(1,))
+    page = _view_scale(
+        response, layout, layout, there, c, exaggerations=(1,), tallest=MAX_STATE_VIEW_HEIGHT_PX
+    )
     angles = np.diff(layout.side)
     state = check_state_phrase(at, say) if at else say.state(response.demand.states[s])
     title = say("The line ({state}) from the left, true to scale", state=state)
@@ -259,6 +263,7 @@ def _view_scale(
     c: int,
     *,
     exaggerations: Sequence[int] = VERTICAL_EXAGGERATIONS,
+    tallest: float = MAX_VIEW_HEIGHT_PX,
 ) -> _ViewScale:
     """Return the scales of a view in which everything has room."""
     thick = max(s.tube.outer if s.tube else DEFAULT_THICKNESS_M for s in response.line.shafts)
@@ -279,12 +284,11 @@ def _view_scale(
         (DRAWING_WIDTH_PX - MARGIN_LEFT_PX - MARGIN_RIGHT_PX)
         / (length * (1 + 2 * END_STUB_TO_LINE_LENGTH_RATIO)),
         MAX_THICKNESS_PX / thick,
+        (tallest - 2 * TUBE_GAP_PX) / (high - low + thick),
     )
     # Tubes are as thick whatever the offsets are exaggerated by.
     around = thick * scale + 2 * TUBE_GAP_PX
-    times = next(
-        (k for k in exaggerations if (high - low) * scale * k + around <= MAX_VIEW_HEIGHT_PX), 1
-    )
+    times = next((k for k in exaggerations if (high - low) * scale * k + around <= tallest), 1)
     hangs = c == UPWARD_AXIS_INDEX_BY_VIEW["side"] and bool(_hung_bearings(response))
     top = MARGIN_TOP_PX + (symbols.FRAME_GAP_PX if hangs else 0.0)
     tall = (high - low) * scale * times + around + LABEL_DROP_PX

@@ -474,7 +474,7 @@ def test_frontend_texts_match_translation_list():
 def test_frontend_size_and_dependencies_are_limited():
     written = (ROOT / "web/src").glob("*.ts*")
     lines = sum(len(p.read_text("utf-8").splitlines()) for p in written)
-    assert lines < 4150
+    assert lines < 4260
     asked_for = json.loads((ROOT / "web/package.json").read_text("utf-8"))["dependencies"]
     assert set(asked_for) == {"preact", "three", "uplot"}
     lock = (ROOT / "web/package-lock.json").read_text("utf-8")
