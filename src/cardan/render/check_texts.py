@@ -44,11 +44,17 @@ def lower_bound_mark(c: Check) -> str:
 
 
 def lower_bound_explanation(shown: Iterable[str], say: Translator) -> Iterator[str]:
-    """Yield what ≥ means, where one of the texts shown holds it."""
-    if any("≥" in text for text in shown):
+    """Yield what ≥ and ≤ mean, where one of the texts shown holds them."""
+    every = tuple(shown)
+    if any("≥" in text for text in every):
         yield say(
             "≥ lower bound: rubber goes beyond its stop there (assumed where travel_mm is not "
             "given), and the true value is larger"
+        )
+    if any("≤" in text for text in every):
+        yield say(
+            "≤ upper bound: rubber goes beyond its stop there (assumed where travel_mm is not "
+            "given), and the true value may be smaller"
         )
 
 

@@ -27,7 +27,7 @@ from cardan.documents.bearing_force_table import bearing_force_csv
 from cardan.documents.first_screen import points_before_signing
 from cardan.model.bracket import Bracket, UShape
 from cardan.model.material import Material
-from cardan.render.check_texts import value_text
+from cardan.render.check_texts import lower_bound_explanation, value_text
 from cardan.render.i18n import ENGLISH
 from cardan.topics.bracket.assessment import bracket_checks, duty_cycle_cases, load_cases
 from cardan.topics.bracket.life import DamageResult
@@ -101,6 +101,11 @@ def unsolved(monkeypatch):
 
 def test_screen_holds_no_lower_bound_where_stop_is_solved(tmp_path):
     assert "≥" not in shown(tmp_path, BEYOND, options=("--all",))
+
+
+@pytest.mark.parametrize(("shown", "marks"), [("12", ""), ("≥ 12", "≥"), ("≤ 12", "≤")])
+def test_marks_of_bounds_are_explained_where_they_stand(shown, marks):
+    assert [s[0] for s in lower_bound_explanation(["5", shown], ENGLISH)] == list(marks)
 
 
 @pytest.mark.usefixtures("unsolved")
