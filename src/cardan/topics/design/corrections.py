@@ -551,7 +551,9 @@ class _Trials:
         changed = changed_margins(asked)
         if not changed.any():
             return
-        most = int(self.evaluator.evaluate(turnings[0][None]).exceeded[0])
+        installed = self._trial(turnings[0], changed)
+        # Lower bounds among them, as of what is proposed in the end.
+        most = max(installed.expected[0], exceeded_count(installed.checks))
         for k, turns in enumerate(turnings):
             if tell:
                 tell(k, len(turnings))
