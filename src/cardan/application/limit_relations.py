@@ -53,8 +53,9 @@ def compare_limits_over_profile(of: RelationContext) -> ComparedValues:
     `compare_looser_limits` names it, and where the profile has no bound, or 0.
     """
     name = of.application.profile.removesuffix(OVERRIDDEN_PROFILE_SUFFIX)
+    against: tuple[str, ...] = ()
     if name not in profile_names():
-        name = (of.vehicle_class or "").replace(" ", "-")
+        name, against = (of.vehicle_class or "").replace(" ", "-"), (of.heaviest_address,)
     if name not in profile_names():
         return
     profile = load_profile(name)[1]
@@ -68,7 +69,7 @@ def compare_limits_over_profile(of: RelationContext) -> ComparedValues:
             keys = f"{at}.{bound.key}", at
             detail = f"{_compared_text(limit, bound, usual)}, {name}"
             value = nan if _is_looser(bound, loosest) else factor
-            yield ComparedValue(keys, value, (of.heaviest_address,), detail)
+            yield ComparedValue(keys, value, against, detail)
 
 
 def compare_limits_without_maximum(of: RelationContext) -> ComparedValues:
