@@ -428,7 +428,10 @@ def test_map_cell_is_selected_and_yield_is_computed(browser, tmp_path):
         was = text_of(browser)
         show(browser, "change")
         value = "return document.querySelector('.map .field p')?.innerText ?? ''"
-        wait(browser, f"{value.replace('return', 'return (')}).includes('height of bearing 1')")
+        wait(
+            browser,
+            f"{value.replace('return', 'return (')}).includes('vertical position of bearing 1')",
+        )
         wait(browser, "return !document.querySelector('.map progress')")
         told = browser.execute_script(value)
         field = browser.find_element("css selector", ".map canvas")
@@ -439,7 +442,9 @@ def test_map_cell_is_selected_and_yield_is_computed(browser, tmp_path):
         show(browser, "line")
         now = edited(browser, was)
         before, after = (reader.loads(t).lines[0].layout.points for t in (was, now))
-        height = float(told.split("height of bearing 1 ")[1].split(" ")[0].replace("−", "-"))
+        height = float(
+            told.split("vertical position of bearing 1 ")[1].split(" ")[0].replace("−", "-")
+        )
         assert 1000 * (after - before)[1, 2] != 0
         assert height != 0
         show(browser, "change")

@@ -226,13 +226,13 @@ def test_points_give_lengths_that_are_left_out():
         ("  slopes: {side_deg: [1, 2, 3, 4]}\n  points_mm: [[0, 0, 0]]\n", "f.yaml:6:3: driveline."
          "points_mm: slopes and points_mm exclude each other; keep one of them"),
         ("  slopes: {side_deg: [1, 2, 3, 4]}\n  pinion_slope: {side_deg: 3}\n", "f.yaml:6:3: "
-         "driveline.pinion_slope: stands beside points alone; the slopes hold it already"),
+         "driveline.pinion_slope: goes with points only; the slopes hold it already"),
         ("  joint_angles: {side_deg: [1, 2, 3]}\n  pinion_slope: {side_deg: 3}\n", "f.yaml:6:3: "
-         "driveline.pinion_slope: stands beside points alone; the joint angles give it"),
+         "driveline.pinion_slope: goes with points only; the joint angles give it"),
         ("  points_mm: [[0, 0, 0], [1200, 0, 0]]\n", "f.yaml:5:3: driveline.points_mm: must hold 3 "
          "joint centres, one more than shafts (got 2 points)"),
         ("  points_mm: [[0, 0, 0], [1200, 0, 0], [2700, 0, 0]]\n", "f.yaml:5:3: driveline.points_mm"
-         ": points need a gearbox_slope beside them; gearbox_slope: {side_deg: 3.0, top_deg: 0.0}"),
+         ": points need a gearbox_slope too; gearbox_slope: {side_deg: 3.0, top_deg: 0.0}"),
         ("  points_mm: [[0, 0, 0], [1200, 0, 0], [900, 0, 0]]\n", "f.yaml:5:40: driveline."
          "points_mm[3]: x must rise from joint 2 to joint 3: it runs along the line (got a rise of "
          "-300 mm)"),
@@ -582,8 +582,8 @@ RANGE = f"{SHAFT}must be a number of at least 5 and at most 50000 mm"
          "a centre bearing must sit on its shaft: from_rear_joint must be below its length 130 mm, "
          "got 140 mm"]),
         ("from_rear_joint_mm: 140", "from_rear_joint_mm: 140, vertical_stiffness_N_mm: 300",
-         ["f.yaml:9:80: driveline.shafts[1].centre_bearing: lateral_stiffness_N_mm is missing beside "
-          "the other one"]),
+         ["f.yaml:9:80: driveline.shafts[1].centre_bearing: lateral_stiffness_N_mm is missing: "
+          "give both"]),
         ("from_rear_joint_mm: 140", "from_rear_joint_mm: 140, loss_factor: 1",
          ["f.yaml:9:119: driveline.shafts[1].centre_bearing.loss_factor: must be a number above 0 "
           "and below 1 (got 1)"]),
@@ -867,7 +867,7 @@ def test_flanges_that_give():
         ("{stiffness_N_mm: 4000, mass_kg: 15}", "{mass_kg: 15}",
          "give stiffness_N_mm: without it a flange is rigid"),
         ("lateral_stiffness_N_mm: 6000, ", "",
-         "lateral_stiffness_N_mm is missing beside the other one"),
+         "lateral_stiffness_N_mm is missing: give both"),
         ("mass_kg: 15", "mass_kg: -15", "mass_kg"),
         ("loss_factor: 0.03", "loss_factor: 3", "loss_factor"),
     ],

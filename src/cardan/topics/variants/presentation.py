@@ -10,7 +10,7 @@ from cardan.checks.quantities.registry import QUANTITIES
 from cardan.core.verdict import CHECK_GRADES, VERDICTS, Limit
 from cardan.render.blocks import Table
 from cardan.render.i18n import ENGLISH, Translator
-from cardan.render.phrases import VERDICT_TEXTS
+from cardan.render.phrases import VERDICT_TEXTS, grade_text
 from cardan.render.screen_layout import percent_text
 from cardan.render.terminal import report_table_lines
 from cardan.topics.variants.evaluation import UNEVALUATED_GRADE_CODE
@@ -117,8 +117,8 @@ def yield_sentences(of: VariantStudyResult, say: Translator = ENGLISH) -> Iterat
     low, high = of.interval()
     if of.variants.ask.yield_:
         yield say(
-            "May be built (pass or warn): {share}; with {confidence} confidence {low} to {high} "
-            "(Clopper and Pearson).",
+            "May be built (approved, also with warnings): {share}; with {confidence} confidence "
+            "{low} to {high} (Clopper and Pearson).",
             share=percent_text(of.yield_, say),
             confidence=percent_text_as_stated(of.variants.ask.confidence, say),
             low=percent_text(low, say, 2),
@@ -384,8 +384,8 @@ def _limits(of: VariantStudyResult, say: Translator) -> Table:
         caption=say("Every limit over all variants"),
         head=(
             say("limit"),
-            *(say(g) for g in CHECK_GRADES),
-            say("fails alone"),
+            *(grade_text(g, say) for g in CHECK_GRADES),
+            say("exceeded alone"),
             say("smallest margin"),
             say("median margin"),
             *(say("{share} quantile", share=percent_text_as_stated(q, say)) for q in asked),

@@ -112,7 +112,7 @@ def _limit_lines(of: VariantStudyResult, say: Translator, width: int, most: int)
     grades = of.statistics["counts"]["grades"] / of.independent_count
     failing = sum(grades[k, 2] > 0 for k in order)
     head = (
-        "", say("limit"), say("fails"), say("smallest margin"),
+        "", say("limit"), say("exceeded"), say("smallest margin"),
         say("median margin"),
     )  # fmt: skip
     cells = [

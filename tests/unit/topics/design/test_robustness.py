@@ -184,7 +184,7 @@ study:
     )
     assert "Trucks scatter by" in said
     assert "driveline.slopes.side_deg[3] ± 0.4" in said
-    assert "height of bearing 1 ± 6 mm" in " ".join(said.split())
+    assert "vertical position of bearing 1 ± 6 mm" in " ".join(said.split())
     assert "% of trucks fail in nothing more" in said
 
 

@@ -531,8 +531,8 @@ def test_dead_gauge_leaves_verdict_incomplete(broken, gauge):
         "broken.csv: INCOMPLETE (0 exceeded, 0 beyond recommended, 1 met, 1 not evaluated)"
         in done.output
     )
-    needs = f"Fatigue life, {gauge}: required, and needs a recording in which all its channels move"
-    assert needs in done.output
+    needs = "required, input missing: a recording in which all its channels move"
+    assert f"Fatigue life, {gauge}: {needs}" in done.output
     assert f"{gauge}: said nothing, so its life is not known" in done.output
     alone = run(broken, "--gauge", gauge, *ONE[2:], "--target-hours", "0.001", "--all")
     assert alone.exit_code == 1
@@ -627,9 +627,9 @@ def test_json_names_driveline_of_application(broken):
 @pytest.mark.parametrize(
     ("code", "said"),
     [
-        ("pt", ("REPROVADO (1 reprovado", "Vida em fadiga", "uma medição em que todos",
+        ("pt", ("REPROVADO (1 excedido", "Vida em fadiga", "uma medição em que todos",
                 "dado com o registro")),
-        ("it", ("NON CONFORME (1 non conforme", "una registrazione in cui tutti i suoi canali",
+        ("it", ("NON CONFORME (1 superato", "una registrazione in cui tutti i suoi canali",
                 "dato con la registrazione")),
     ],
 )  # fmt: skip

@@ -1200,7 +1200,7 @@ def test_torsion_table_replaces_part_values(truck, tmp_path):
         ("torsion: {axle_inertia_kgm2: 0}", "at least 1e-09"),
         ("torsion: {damping_ratio: 1}", "of at least 1e-05 and below 1"),
         ("torsion: {axle_stifness_Nm_deg: 1}", "axle_stiffness_Nm_deg"),
-        ("torsion: {axle_inertia_kgm2: 3}\nwheels: {inertia_kgm2: 6}", "wheels, not beside it"),
+        ("torsion: {axle_inertia_kgm2: 3}\nwheels: {inertia_kgm2: 6}", "wheels, not with it"),
         ("clutch: {angle_deg: [0, 1]}", "as many of one as of the other"),
         (
             "clutch: {stiffness_Nm_rad: 9000}\nconverter: {stall_torque_ratio: 2}",

@@ -1261,7 +1261,8 @@ def test_study_command_prints_and_writes_reports(tmp_path):
     run = asked(tmp_path, "--all", "--html", tmp_path / "a.html", "--json", tmp_path / "a.json")
     assert run.exit_code == 0, run.output
     for said in (
-        "Two-piece driveline: 90 variants", "May be built (pass or warn)", "What varies",
+        "Two-piece driveline: 90 variants", "May be built (approved, also with warnings)",
+        "What varies",
         "Which tolerance to tighten first", "The worst variants", "quantile",
     ):  # fmt: skip
         assert said in run.output
