@@ -47,7 +47,7 @@ export function Plot(of: Drawn) {
     if (!element) return undefined;
     const axis = { stroke: cssColour("--faint"), grid: { stroke: cssColour("--line"), width: 1 }, ticks: { show: false }, font: "11px system-ui", size: 34 };
     const ticks = (unit: string) => (_: uPlot, values: number[]) => values.map((v) => formatFixed(v, axisDecimals(values)) + unit);
-    // A number at the very end of an axis that leaves nothing free beside it would be cut.
+    // A number at the very end of an axis with no room next to it would be cut.
     const within = ([low, high]: [number, number]) => (u: uPlot, values: number[]) => ticks("")(u, values).map((said, k) => ((values[k] ?? 0) > high - (20 / u.width) * (high - low) ? "" : said));
     plot.current = new uPlot(
       {

@@ -399,7 +399,7 @@ def _measures(
         places = [points[k] + s * (points[k + 1] - points[k]) for s in MEASURE_PLACES]
         boxes = [text_box(p[0], y, (said,), font_size=11, anchor="middle") for p in places]
         at = places[labels.place(boxes)]
-        yield svg.line(*at, at[0], y - 11, stroke=GRID_COLOUR, stroke_width=0.8)
+        yield svg.line(at[0], at[1], at[0], y - 11, stroke=GRID_COLOUR, stroke_width=0.8)
         yield svg.text(at[0], y, said, anchor="middle", font_size=11, **HALO)
 
 
@@ -559,10 +559,8 @@ def _obstacle_labels(
         along = [page.x(p[0]) for p in (o.start, o.end)]
         across = np.clip([page.y(p[c]) for p in (o.start, o.end)], 0.0, page.height)
         middle, lines = float(across.mean()), (o.name, words)
-        heights = sorted(
-            np.linspace(across.min() - half, across.max() + half, 24),
-            key=lambda y: abs(y - middle),
-        )
+        heights = np.linspace(across.min() - half, across.max() + half, 24)
+        heights = heights[np.argsort(np.abs(heights - middle), kind="stable")]
         right, left = max(along) + half + 6, min(along) - half - 6
         places = [(x, float(y), anchor) for y in heights
                   for x, anchor in ((right, "start"), (left, "end"))]  # fmt: skip

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from html import escape
 from math import isfinite
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -25,7 +25,7 @@ VERDICT_COLOURS = {"pass": "#1a7f37", "warn": "#9a6700", "fail": "#b42318"}
 """Colours of verdicts; each reads on white."""
 
 
-HALO: dict[str, AttributeValue] = {
+HALO: dict[str, Any] = {
     "stroke": "#ffffff", "stroke_width": 3.0, "paint_order": "stroke",
 }  # fmt: skip
 """What lets a label be read over lines."""
