@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Container, Iterable, Iterator
 from functools import cached_property, partial
-from typing import Literal
 
 import numpy as np
 
@@ -128,16 +127,6 @@ class EvaluatedLimit:
         if margin is None:
             return none
         return np.where(needed & (margin < -MARGIN_TOLERANCE), margin, np.inf)
-
-    def proved_margin(self, *, to: Literal["normal", "maximum"]) -> FloatArray:
-        """Return margins to a bound that values not solved do not fall short of either."""
-        margin = self.limit.margin(self.values, to=to)
-        bounds = self.limit.normal, self.limit.maximum
-        if self.prove is None or bounds == (None, None):
-            return margin
-        first, other = bounds if to == "normal" else bounds[::-1]
-        free = self.prove(np.asarray(other if first is None else first))
-        return margin if free is None else np.minimum(margin, free)
 
     @property
     def bound_margin(self) -> FloatArray:

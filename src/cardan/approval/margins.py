@@ -25,41 +25,26 @@ def margins(*responses: LineResponse, to: LimitBoundName) -> FloatArray:
     return np.concatenate(each, axis=-1)
 
 
-def margins_to_both_bounds(
-    *responses: LineResponse, proved: bool = False
-) -> dict[LimitBoundName, FloatArray]:
-    """Return every margin of lines to either bound, evaluated once.
-
-    `proved` margins are what forces with the spline stuck do not fall short of either.
-    """
+def margins_to_both_bounds(*responses: LineResponse) -> dict[LimitBoundName, FloatArray]:
+    """Return every margin of lines to either bound, evaluated once."""
     questions = [(r, tuple(evaluate_limits(r))) for r in responses]
     return {
-        bound: np.concatenate(
-            [margins_of_limits(r, q, to=bound, proved=proved) for r, q in questions], axis=-1
-        )
+        bound: np.concatenate([margins_of_limits(r, q, to=bound) for r, q in questions], axis=-1)
         for bound in LIMIT_BOUND_NAMES
     }
 
 
 def margins_of_limits(
-    response: LineResponse,
-    questions: tuple[EvaluatedLimit, ...],
-    *,
-    to: LimitBoundName,
-    proved: bool = False,
+    response: LineResponse, questions: tuple[EvaluatedLimit, ...], *, to: LimitBoundName
 ) -> FloatArray:
     """Return every margin of a line from its evaluated limits, as `margins`."""
-
-    def margin(q: EvaluatedLimit) -> FloatArray:
-        return q.proved_margin(to=to) if proved else q.limit.margin(q.values, to=to)
-
     cases = response.layout.points.shape[:-3]
     each = [
         np.full_like(q.values, MARGIN_CAP)
         if to == "maximum" and q.limit.maximum is None
-        else margin(q)
+        else q.limit.margin(q.values, to=to)
         if to == "maximum"
-        else np.minimum(margin(q), q.validity_margin)
+        else np.minimum(q.limit.margin(q.values, to=to), q.validity_margin)
         for q in questions
     ]
     full = [np.broadcast_to(m, (*cases, *m.shape[-2:])).reshape(*cases, -1) for m in each]

@@ -27,7 +27,7 @@ from cardan.approval.driveline_study import (
     line_checks,
     unevaluated_line_checks,
 )
-from cardan.approval.margins import margins_of_limits
+from cardan.approval.margins import LIMIT_BOUND_NAMES, LimitBoundName, margins_of_limits
 from cardan.approval.study import DRIVELINE_STUDY_NAME, StudyResult
 from cardan.checks.line_response import LineResponse, compute_line_response
 from cardan.core.arrays import BoolArray, FloatArray
@@ -103,9 +103,11 @@ class _EvaluatedLine:
         return tuple(unevaluated_line_checks(self.response, self.limits))
 
     @cached_property
-    def normal_margins(self) -> FloatArray:
-        """Every margin to a warning, (M,)."""
-        return margins_of_limits(self.response, self.limits, to="normal")
+    def margins(self) -> dict[LimitBoundName, FloatArray]:
+        """Every margin to either bound, (M,)."""
+        return {
+            to: margins_of_limits(self.response, self.limits, to=to) for to in LIMIT_BOUND_NAMES
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,8 +172,15 @@ class _CorrectionCandidate:
     @cached_property
     def margin(self) -> float:
         """The least margin to a warning of what moving can change."""
-        every = np.concatenate([line.normal_margins for line in self.lines])
-        return float(every[self.changed].min())
+        return float(self.margins["normal"][self.changed].min())
+
+    @property
+    def margins(self) -> dict[LimitBoundName, FloatArray]:
+        """Every margin of its lines to either bound, (M,)."""
+        return {
+            to: np.concatenate([line.margins[to] for line in self.lines])
+            for to in LIMIT_BOUND_NAMES
+        }
 
     @cached_property
     def checks(self) -> tuple[Check, ...]:
@@ -401,7 +410,8 @@ def _with_tolerance_yields(
     found = [
         replace(
             p,
-            tolerance_yield=trucks and trucks.survival(t.movable, np.array(t.amounts), asked=draws),
+            tolerance_yield=trucks
+            and trucks.survival(t.movable, np.array(t.amounts), asked=draws, solved=t.margins),
             tolerance_model=trucks,
         )
         for p, t in ranked

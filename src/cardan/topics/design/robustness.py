@@ -139,13 +139,14 @@ class ToleranceModel:
     def responses(
         self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray, off: FloatArray
     ) -> tuple[LineResponse, ...]:
-        """Return the line at a setting in trucks that are `off` (V, tolerances).
+        """Return the line at a setting in trucks that are `off` (V, tolerances), or in one (T,).
 
         Amounts are (ways), or those of each truck (V, ways). And the lines that they turn with it.
         """
+        rows = np.atleast_2d(off)
         every = permitted_adjustments_by_name(i.line for i in self.application.lines)
         called = self.sampling_plan.names
-        alone = off[0] if len(off) == 1 else off.T  # a number that arrays cannot hold, by itself
+        alone = rows[0] if len(rows) == 1 else rows.T  # numbers that arrays cannot hold, alone
         numbers: dict[str, Any] = {
             n: self.sampling_plan.nominal[k] + alone[k]
             for k, n in enumerate(called)
@@ -156,32 +157,27 @@ class ToleranceModel:
         moves = [k for k, n in enumerate(called) if n in every]
         parts = (*ways, *(every[called[k]] for k in moves))
         worth = np.array([ADJUSTMENTS[every[called[k]].adjustment_key].unit_value for k in moves])
-        set_ = np.broadcast_to(amounts, (len(off), len(ways)))
-        both = np.concatenate([set_, off[:, moves] * worth], axis=1)
-        merged = _merged(parts, both)
+        set_ = np.broadcast_to(amounts, (len(rows), len(ways)))
+        merged, sums = _merged(parts, np.concatenate([set_, rows[:, moves] * worth], axis=1))
+        sums = sums if off.ndim > 1 else sums[0]
         lines = affected_lines(
             compute_line_response(
                 changed, line_state_demand(resolve_line_references(changed, installed))
             ),
             ways,
         )
-        return tuple(response_with_adjustments(line, *merged) for line in lines)
+        return tuple(response_with_adjustments(line, merged, sums) for line in lines)
 
     def margins(
-        self,
-        ways: tuple[PermittedAdjustment, ...],
-        amounts: FloatArray,
-        off: FloatArray,
-        *,
-        proved: bool = True,
+        self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray, off: FloatArray
     ) -> dict[LimitBoundName, FloatArray]:
         """Return the margins (V, M) to either bound of trucks (V, tolerances) at a setting.
 
         One by one where arrays cannot hold what scatters, as a joint's rating. A truck that
-        cannot exist has none. `proved` margins hold with the spline stuck, by an upper estimate.
+        cannot exist has none. Rubber meets no stop in them, and splines slide.
         """
         try:
-            found = margins_to_both_bounds(*self.responses(ways, amounts, off), proved=proved)
+            found = margins_to_both_bounds(*self.responses(ways, amounts, off))
         except (InvalidFileError, DesignError):
             if len(off) == 1:
                 raise
@@ -189,20 +185,28 @@ class ToleranceModel:
             return {to: np.broadcast_to(m, (len(off), m.shape[-1])) for to, m in found.items()}
         lost: dict[LimitBoundName, FloatArray] = {
             to: np.full_like(m, -MARGIN_CAP)
-            for to, m in self.margins(ways, amounts, np.zeros_like(off[:1]), proved=proved).items()
+            for to, m in self.margins(ways, amounts, np.zeros_like(off[:1])).items()
         }
         some: list[dict[LimitBoundName, FloatArray]] = []
         for row in off:
             try:
-                some.append(self.margins(ways, amounts, row[None], proved=proved))
+                some.append(self.margins(ways, amounts, row[None]))
             except (InvalidFileError, DesignError):
                 some.append(lost)
         return {to: np.concatenate([m[to] for m in some]) for to in lost}
 
     def survival(
-        self, ways: tuple[PermittedAdjustment, ...], amounts: FloatArray, *, asked: int = 0
+        self,
+        ways: tuple[PermittedAdjustment, ...],
+        amounts: FloatArray,
+        *,
+        asked: int = 0,
+        solved: Mapping[LimitBoundName, FloatArray] | None = None,
     ) -> ToleranceYield:
         """Return how many trucks keep what a setting promises.
+
+        What rubber at its stop and a spline that sticks take from its margins they take from
+        those of each truck.
 
         Parameters
         ----------
@@ -211,19 +215,28 @@ class ToleranceModel:
         asked
             How many trucks are evaluated each by itself; 0 takes margins as parabolas of what
             scatters, and 4096 of them.
+        solved
+            Margins (M,) of the setting as one design, with both; evaluated if not given.
         """
         still = np.zeros((1, len(self.sampling_plan.names)))
         each = self._limits(ways)
-        promised = self.margins(ways, amounts, still, proved=False)
-        held = (promised["maximum"][0] >= -MARGIN_TOLERANCE) & [m.maximum is not None for m in each]
-        calm = (promised["normal"][0] >= -MARGIN_TOLERANCE) & [m.has_warning_bound for m in each]
+        promised = solved or margins_to_both_bounds(*self.responses(ways, amounts, still[0]))
+        held = (promised["maximum"] >= -MARGIN_TOLERANCE) & [m.maximum is not None for m in each]
+        calm = (promised["normal"] >= -MARGIN_TOLERANCE) & [m.has_warning_bound for m in each]
+        about = self.margins(ways, amounts, still) if asked else self._margins_about(ways, amounts)
+        less = {
+            to: np.where(m[0] < MARGIN_CAP, np.minimum(promised[to] - m[0], 0.0), 0.0)
+            for to, m in about.items()
+        }
         if asked:
             off = self.sampling_plan.values(0, asked) - np.array(self.sampling_plan.nominal)
             some = [
                 self.margins(ways, amounts, off[k : k + VARIANTS_PER_CHUNK])
                 for k in range(0, asked, VARIANTS_PER_CHUNK)
             ]
-            left, near = (np.concatenate([m[to] for m in some]) for to in ("maximum", "normal"))
+            left, near = (
+                np.concatenate([m[to] for m in some]) + less[to] for to in ("maximum", "normal")
+            )
             kept = _kept(left, held)
             return ToleranceYield(
                 share=float(kept.mean()),
@@ -232,7 +245,7 @@ class ToleranceModel:
                 most_failed_quantity=_lost(each, left, held),
             )
         off = self._normal(self.sampling_plan.unit_points(0, SAMPLE_COUNT))
-        about = self._margins_about(ways, amounts)
+        about = {to: m + less[to] for to, m in about.items()}
         some = np.flatnonzero(held & _may_fail(about["maximum"], off))
         left = _parabola(about["maximum"][:, some])
         near = _parabola(about["normal"][:, calm & _may_fail(about["normal"], off)])
@@ -286,7 +299,7 @@ class ToleranceModel:
         count = len(self._about)
         trucks = np.repeat(np.array(new), count, axis=0), np.tile(self._about, (len(new), 1))
         try:
-            found = margins_to_both_bounds(*self.responses(ways, *trucks), proved=True)
+            found = margins_to_both_bounds(*self.responses(ways, *trucks))
         except (InvalidFileError, DesignError):
             return
         rows = len(trucks[1])
