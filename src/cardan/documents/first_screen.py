@@ -59,8 +59,9 @@ MAX_LINES = 40
 """Lines of the screen at 80 columns; the blocks below keep to it together."""
 
 MAX_TABLE_LINES = 13
-MAX_TABLE_LINES_WITH_DETAILS = 15
-"""Lines of the table of criteria; the two more are for gear and speed of worst cases alone."""
+MAX_DETAIL_LINES = 4
+"""Lines that gear, speed or a stuck spline of worst cases may add to the table; other points
+before signing give way to them."""
 
 MAX_ROWS_BESIDE_EXCEEDED = 6
 """Rows at most, where criteria that are not exceeded fill the table."""
@@ -136,7 +137,9 @@ def screen_lines(
     """
     screen = _screen(of, say, width)
     required, optional = _not_evaluated_lines(screen)
-    rows, rest, whole = _chosen_criteria(screen)
+    rows, rest, detailed = _chosen_criteria(screen)
+    table = list(_table_lines(screen, rows, detailed))
+    added = len(table) - len(list(_table_lines(screen, rows, frozenset())))
     shown = (value_text(c.worst, say) for c in (*rows, *rest))
     explanation = screen.fold(*lower_bound_explanation(shown, say))
     above = [
@@ -144,13 +147,14 @@ def screen_lines(
         *_read_lines(screen),
         *screen.fold(_count_text(screen)),
         *required,
-        *_table_lines(screen, rows, whole),
+        *table,
         *_rest_lines(screen, rest),
         *explanation,
         *_correction_lines(screen, helps),
     ]
     below = [*optional, *_next_lines(screen)]
-    room = min(MAX_LINES - len(above) - len(below) - 1, MAX_SIGNATURE_LINES - len(explanation))
+    most = MAX_SIGNATURE_LINES - len(explanation) - added
+    room = min(MAX_LINES - len(above) - len(below) - 1, most)
     yield from above
     yield from _signature_lines(screen, rows, max(room, 1))
     yield from below
@@ -290,38 +294,47 @@ def _count_text(screen: _Screen) -> str:
 # --------------------------------------------------------------------------- criteria
 
 
-def _chosen_criteria(screen: _Screen) -> tuple[list[Criterion], list[Criterion], int]:
+def _chosen_criteria(
+    screen: _Screen,
+) -> tuple[list[Criterion], list[Criterion], frozenset[CriterionKey]]:
     """Return the criteria that have rows, and the others that are exceeded or beyond recommended.
 
     All exceeded ones have rows while there is room. Where they are few others follow, the
-    nearest to their limits. The third result is how many rows, the first of them, have room for
-    gear and speed of their worst case on a second line.
+    nearest to their limits. The third result is which rows have room for gear and speed of their
+    worst case, on a second line where they must: those with a stuck spline before others.
     """
     ranked = [c for grade in ("fail", "warn", "pass") for c in screen.graded(grade)]
     exceeded = len(screen.graded("fail"))
     beyond = exceeded + len(screen.graded("warn"))
     count = max(exceeded, min(beyond, MAX_ROWS_BESIDE_EXCEEDED), MIN_ROWS)
 
-    def line_count(whole: int) -> int:
-        return len(list(_table_lines(screen, ranked[:count], whole)))
+    none: frozenset[CriterionKey] = frozenset()
 
-    while count > 1 and line_count(0) > MAX_TABLE_LINES:
+    def line_count(detailed: frozenset[CriterionKey]) -> int:
+        return len(list(_table_lines(screen, ranked[:count], detailed)))
+
+    while count > 1 and line_count(none) > MAX_TABLE_LINES:
         count -= 1
-    fitting = (n for n in range(count, 0, -1) if line_count(n) <= MAX_TABLE_LINES_WITH_DETAILS)
-    whole = next(fitting, 0)
-    return ranked[:count], [c for c in ranked[count:] if c.grade != "pass"], whole
+    points = {c.key: c.worst.point for c in ranked[:count]}
+    stuck = {key for key, at in points.items() if at and at.is_spline_stuck}
+    order = sorted(ranked[:count], key=lambda c: c.key not in stuck)
+    sets = (frozenset(c.key for c in order[:n]) for n in range(count, 0, -1))
+    most = line_count(none) + MAX_DETAIL_LINES
+    detailed = next((keys for keys in sets if line_count(keys) <= most), none)
+    return ranked[:count], [c for c in ranked[count:] if c.grade != "pass"], detailed
 
 
-def _table_lines(screen: _Screen, rows: Sequence[Criterion], whole: int) -> Iterator[str]:
+def _table_lines(
+    screen: _Screen, rows: Sequence[Criterion], detailed: frozenset[CriterionKey]
+) -> Iterator[str]:
     """Yield a row for each criterion: name, value, limit, where it is worst.
 
-    Of several lines the worst line's rows stand first, each line below its name. Of the first
-    `whole` rows the worst case keeps its gear and speed, on a second line where it must.
+    Of several lines the worst line's rows stand first, each line below its name. Of rows that
+    are `detailed` the worst case keeps its gear and speed, on a second line where it must.
     """
     if not rows:
         return
     say, several = screen.say, screen.is_of_several_lines
-    kept = {c.key for c in rows[:whole]}
     rows = by_line(rows) if several else rows
     values = [value_text(c.worst, say) for c in rows]
     limits = [limit_text(c.worst, say) for c in rows]
@@ -330,7 +343,7 @@ def _table_lines(screen: _Screen, rows: Sequence[Criterion], whole: int) -> Iter
     free = screen.width - 2 - 1 - wide_value - 2 - wide_limit - 2
     rooms = range(MIN_NAME_COLUMNS, max(free - MIN_CONDITION_COLUMNS, MIN_NAME_COLUMNS) + 1)
     layouts = (
-        [_row_layout(screen, c.worst, room, free - room, whole=c.key in kept) for c in rows]
+        [_row_layout(screen, c.worst, room, free - room, whole=c.key in detailed) for c in rows]
         for room in rooms
     )
     room, cells = min(zip(rooms, layouts, strict=True), key=lambda one: _cost(one[1]))
