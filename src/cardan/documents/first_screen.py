@@ -59,7 +59,7 @@ MAX_LINES = 40
 """Lines of the screen at 80 columns; the blocks below keep to it together."""
 
 MAX_TABLE_LINES = 13
-MAX_DETAIL_LINES = 4
+MAX_DETAIL_LINES = 2
 """Lines that gear, speed or a stuck spline of worst cases may add to the table; other points
 before signing give way to them."""
 
@@ -138,8 +138,6 @@ def screen_lines(
     screen = _screen(of, say, width)
     required, optional = _not_evaluated_lines(screen)
     rows, rest, detailed = _chosen_criteria(screen)
-    table = list(_table_lines(screen, rows, detailed))
-    added = len(table) - len(list(_table_lines(screen, rows, frozenset())))
     shown = (value_text(c.worst, say) for c in (*rows, *rest))
     explanation = screen.fold(*lower_bound_explanation(shown, say))
     above = [
@@ -147,13 +145,13 @@ def screen_lines(
         *_read_lines(screen),
         *screen.fold(_count_text(screen)),
         *required,
-        *table,
+        *_table_lines(screen, rows, detailed),
         *_rest_lines(screen, rest),
         *explanation,
         *_correction_lines(screen, helps),
     ]
     below = [*optional, *_next_lines(screen)]
-    most = MAX_SIGNATURE_LINES - len(explanation) - added
+    most = MAX_SIGNATURE_LINES - len(explanation)
     room = min(MAX_LINES - len(above) - len(below) - 1, most)
     yield from above
     yield from _signature_lines(screen, rows, max(room, 1))
