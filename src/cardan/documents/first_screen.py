@@ -59,7 +59,7 @@ MAX_LINES = 40
 """Lines of the screen at 80 columns; the blocks below keep to it together."""
 
 MAX_TABLE_LINES = 13
-MAX_DETAIL_LINES = 2
+MAX_DETAIL_LINES = 4
 """Lines that gear, speed or a stuck spline of worst cases may add to the table; other points
 before signing give way to them."""
 
@@ -437,11 +437,12 @@ def _correction_items(screen: _Screen, helps: Sequence[CheckSensitivity]) -> lis
     best = [
         (_correction_text(move, screen), n) for move, n in improved.most_common(MAX_CORRECTIONS)
     ]
+    short = "{correction} ({count} of {total})"  # what is counted stands with the first
     items = [
-        say(text, correction=correction, count=n, total=len(about))
+        say(short if k else text, correction=correction, count=n, total=len(about))
         if len(about) > 1
         else correction
-        for correction, n in best
+        for k, (correction, n) in enumerate(best)
     ]
     if not items:
         items = [
