@@ -36,6 +36,7 @@ def _linear_rubber():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(MountLoads, "stop_response", None)
         patch.setattr(MountLoads, "stuck_forces", None)
+        patch.setattr(MountLoads, "stuck_force_estimate", {})
         yield
 
 

@@ -46,13 +46,13 @@ def is_compiled_batch(cases: tuple[int, ...], *, points: float = 1) -> bool:
 def compiled(
     function: Callable[..., Any], *called: Callable[..., Any]
 ) -> Callable[..., Any] | None:
-    """Return a function compiled with those that it calls; None without numba."""
+    """Return a function compiled with those that it calls; None where numba cannot be loaded."""
     try:
         import numba  # pyright: ignore[reportMissingTypeStubs]
         from numba.extending import (  # pyright: ignore[reportMissingTypeStubs]
             register_jitable,
         )
-    except ImportError:
+    except (ImportError, OSError):  # or no memory is left for its libraries
         return None
     for one in called:
         register_jitable(one)

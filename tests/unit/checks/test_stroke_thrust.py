@@ -102,7 +102,7 @@ def test_unknown_stroke_above_critical_compression_is_not_evaluated():
     for key in FORCES:
         assert np.isnan(value(r, key)[GVW]).all(), key
     missed = [u for u in unevaluated_line_checks(r) if u.limit.quantity == "centre_bearing_peak"]
-    assert any("full rebound and jounce" in need for u in missed for need in u.missing_inputs)
+    assert any("full rebound and bump" in need for u in missed for need in u.missing_inputs)
 
 
 def test_known_stroke_above_critical_compression_is_evaluated():

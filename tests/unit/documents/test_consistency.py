@@ -122,7 +122,8 @@ def of_document(pdf: Path) -> str:
         re.MULTILINE,
     )
     verdict = verdict_of_headline(re.split(r" {3,}", said)[0])
-    graded = set(re.findall(r"^ ?(fail|warn) ", table, re.MULTILINE))
+    words = {"exceeded": "fail", "beyond": "warn"}
+    graded = {words[w] for w in re.findall(r"^ ?(exceeded|beyond) ", table, re.MULTILINE)}
     assert graded == {verdict} & {"fail", "warn"}
     return verdict
 
@@ -478,7 +479,7 @@ def test_unstable_line_fails_in_headline_and_chapter(undamped, tmp_path):
         assert text.paragraphs[0] in html
         book = tmp_path / f"{code}.xlsx"
         book.write_bytes(workbook_bytes(undamped, say=say))
-        assert cached(book) == say("fail")
+        assert cached(book) == ("fail" if code == "en" else say("not approved"))
         if READS_PAPER and code == "en":
             (tmp_path / "out.pdf").write_bytes(pdf_document(told))
             assert text.paragraphs[0] in " ".join(printed(tmp_path / "out.pdf").split())

@@ -73,6 +73,7 @@ def linear_rubber(monkeypatch):
     """
     monkeypatch.setattr(MountLoads, "stop_response", None)
     monkeypatch.setattr(MountLoads, "stuck_forces", None)
+    monkeypatch.setattr(MountLoads, "stuck_force_estimate", {})
 
 
 @pytest.mark.slow
