@@ -38,7 +38,7 @@ from workbench import PATIENCE
 from cardan.application import reader
 from cardan.approval.approval import approve_application
 from cardan.core.units import deg
-from cardan.core.verdict import CHECK_GRADES
+from cardan.core.verdict import CHECK_GRADES, GRADE_TEXTS
 from cardan.render.i18n import Translator
 from cardan.render.phrases import VERDICT_TEXTS
 
@@ -260,7 +260,7 @@ def test_heat_map_cells_match_check_margin_grade_and_part(browser, tmp_path, nam
     for c in (c for f in found.study_results if f.study == "driveline" for c in f.checks):
         line, part = c.line if several else "", "" if c.part.kind == "line" else say.part(c.part)
         row, margin = (say.name(c.quantity), states.index(c.when.name), line), shown(c.margin)
-        said.add((*row, part, c.grade, margin))
+        said.add((*row, part, GRADE_TEXTS[c.grade], margin))
         rank = (-CHECK_GRADES.index(c.grade), c.margin)
         least[row] = min(least.get(row, (rank, margin)), (rank, margin))
     with workbench(tmp_path, text) as (house, _):
