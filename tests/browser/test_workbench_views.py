@@ -83,7 +83,7 @@ def test_speed_view_shows_bearing_forces_campbell_diagram_and_launch(browser, tm
         named = "//div[@aria-label='Force']/button[.=$]".replace("$", f"'{at}'")
         browser.find_element("xpath", named).click()
         value = "return document.querySelector('.field p').innerText"
-        wait(browser, f"{value.replace('return', 'return /N, fail$/.test(')})")
+        wait(browser, f"{value.replace('return', 'return /N, exceeded$/.test(')})")
         told = browser.execute_script(value)
         newtons = float(told.rpartition(": ")[2].split(" N")[0])
         # Of linear rubber, as the view says, and at speeds that are drawn, not sought.

@@ -943,7 +943,7 @@ def test_the_command_judges_a_file(tmp_path):
     )
     grid = ET.fromstring((tmp_path / "out.vtu").read_text())
     letters = bytes(int(b) for b in grid.find(".//FieldData/DataArray").text.split())
-    assert letters.rstrip(b"\0").decode() == done.output.splitlines()[0]
+    assert " ".join(done.output.split()).startswith(letters.rstrip(b"\0").decode())
     piece = grid.find(".//Piece")
     assert int(piece.get("NumberOfCells")) == first["elements"]
     for deck in ("inp", "bdf"):  # each case with the displacement that JSON and pictures have
