@@ -30,7 +30,7 @@ HERE = Path(__file__).parent
 EXAMPLES = sorted((HERE.parents[1] / "examples").glob("*.yaml"))
 PPI = 66
 COLOURS = 64
-MOST = 2_100_000
+MOST = 2_200_000
 """Bytes that all pictures may take."""
 
 
