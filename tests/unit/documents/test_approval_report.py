@@ -870,7 +870,8 @@ def test_report_names_failing_study_without_correction():
     assert found.verdict == "fail"
     (said,) = what_to_change(found)
     assert re.fullmatch(
-        r"exceeded \(vibration\): Growth of torsional vibration, zone of .*: −\S+ against −100.0 1/s",
+        r"exceeded \(vibration\): Growth of torsional vibration, zone of .*: "
+        r"−\S+ against −100.0 1/s",
         said,
     )
     assert next(what_to_change(found, "pt")).startswith("excedido (vibração): ")
