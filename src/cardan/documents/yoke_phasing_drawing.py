@@ -60,6 +60,7 @@ def _phase_text(phase: float, say: Translator) -> str:
 def _yoke_shapes(x: float, y: float, wide: float, phase: float) -> Iterator[str]:
     """Yield a shaft from the side, its front yoke's ears up and down."""
     ear, tube = 17.0, 9.0
+    ear_style = {"fill": "#9db4c8", "stroke": TEXT_COLOUR, "stroke_width": 1.2}
     a, b = x + 46, x + wide - 46
     yield svg.rect(
         a, y - tube, b - a, 2 * tube, fill="#e3eaf1", stroke=TEXT_COLOUR, stroke_width=1.4
@@ -80,9 +81,7 @@ def _yoke_shapes(x: float, y: float, wide: float, phase: float) -> Iterator[str]
                         y,
                     ],
                     close=True,
-                    fill="#9db4c8",
-                    stroke=TEXT_COLOUR,
-                    stroke_width=1.2,
+                    **ear_style,
                 )
             yield svg.line(
                 tip - way * 8,
@@ -98,9 +97,7 @@ def _yoke_shapes(x: float, y: float, wide: float, phase: float) -> Iterator[str]
                 [end, tip, tip, end],
                 [y - 9 * out, y - 9 * out, y + 9 * out, y + 9 * out],
                 close=True,
-                fill="#9db4c8",
-                stroke=TEXT_COLOUR,
-                stroke_width=1.2,
+                **ear_style,
             )
             yield svg.circle(
                 tip - way * 10,

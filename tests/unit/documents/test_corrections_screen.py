@@ -6,6 +6,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
+from one_shaft import ONE_SHAFT
 
 from cardan.application import reader
 from cardan.core.labels import EvaluationCondition, Part
@@ -21,23 +22,12 @@ from cardan.topics.design.corrections import find_corrections
 from cardan.topics.design.phrases import tolerance_yield_sentences
 from cardan.topics.design.robustness import ToleranceYield
 
-SHAFT = """\
-title: Under the truck
-speed_rpm: 3600
-torque_Nm: 300
-driveline:
-  slopes: {side_deg: [4.0, 2.0, 7.5]}
-  joints: "1310"
-  shafts: [{length_mm: 1200, tube: 76.2x2.1}]
-limits: protractor
-adjust: {shim_deg: [-4, 4]}
-"""
 FORCE = Limit(quantity="centre_bearing_peak", normal=3000.0, maximum=5000.0, source=Source("us"))
 
 
 @pytest.fixture(scope="module")
 def proposals() -> tuple[Correction, ...]:
-    return find_corrections(reader.loads(SHAFT))
+    return find_corrections(reader.loads(ONE_SHAFT))
 
 
 def screen(of: tuple[Correction, ...], code: str = "en") -> list[str]:

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from one_shaft import ONE_SHAFT
 from repository import EXAMPLES, ROOT
 
 from cardan.application import reader
@@ -62,18 +63,6 @@ def truck() -> Application:
 def only(application: Application, *limits: Limit) -> Application:
     return replace(application, limits=limits, profile=INLINE_LIMITS_NAME)
 
-
-ONE_SHAFT = """\
-title: Under the truck
-speed_rpm: 3600
-torque_Nm: 300
-driveline:
-  slopes: {side_deg: [4.0, 2.0, 7.5]}
-  joints: "1310"
-  shafts: [{length_mm: 1200, tube: 76.2x2.1}]
-limits: protractor
-adjust: {shim_deg: [-4, 4]}
-"""
 
 TORSIONAL = Limit(
     quantity="torsional_acceleration", normal=200.0, maximum=500.0, source=HOUSE, points="own"
