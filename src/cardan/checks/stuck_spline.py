@@ -283,9 +283,11 @@ class _LineAtPoints:
             wide = np.broadcast_to(values, (V, P, S, *tail)).reshape(V, -1, Q, S, *tail)
             return np.moveaxis(wide, 2, 0)
 
-        needed = along(counts, 0)
-        for _ in range(SPEEDS_BESIDE):
-            needed = needed | np.roll(needed, 1, axis=0) | np.roll(needed, -1, axis=0)
+        own = along(counts, 0)
+        needed = own.copy()
+        for k in range(1, SPEEDS_BESIDE + 1):
+            needed[k:] |= own[:-k]
+            needed[:-k] |= own[k:]
         place = np.nonzero(needed.any(axis=0))
 
         def some(values: Any, own: int) -> Any:

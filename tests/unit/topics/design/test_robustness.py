@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from repository import EXAMPLES
 from scipy.special import ndtr
 
 from cardan.application import reader
+from cardan.approval.margins import margins_to_both_bounds
 from cardan.cli import cli
 from cardan.core.errors import InvalidFileError
 from cardan.core.units import deg, mm
@@ -200,6 +202,27 @@ def test_conditional_limit_yield_is_not_linearised():
     asked = trucks.survival((), np.empty(0), asked=300)
     assert found.share == pytest.approx(asked.share, abs=0.02)
     assert asked.share > 0.9
+
+
+@pytest.mark.slow
+def test_share_of_trucks_at_stop_is_near_that_of_trucks_solved_one_by_one():
+    """What the stop takes from the setting is taken from each truck: 30 of them solved in full.
+
+    Six settings of two trucks were so compared: five shares differ by 0.09 at most, one by 0.19.
+    """
+    application = reader.read(EXAMPLES / "medium-truck-4x2.yaml")
+    trucks = ToleranceModel.from_application(application, "main")
+    kinds = {"bearing_height": -5 * mm, "shim": 2 * deg}
+    ways = tuple(a for a in application.adjustables if a.adjustment_key in kinds)
+    amounts = np.array([kinds[a.adjustment_key] for a in ways])
+    plan, count = trucks.sampling_plan, 30
+    off = plan.values(0, count) - np.array(plan.nominal)
+    still = np.zeros(off.shape[1])
+    promised = margins_to_both_bounds(*trucks.responses(ways, amounts, still))["maximum"]
+    each = [margins_to_both_bounds(*trucks.responses(ways, amounts, o))["maximum"] for o in off]
+    share = np.mean([(m[promised >= 0] >= 0).all() for m in each])
+    assert 0.2 < share < 0.8
+    assert trucks.survival(ways, amounts, asked=count).share == pytest.approx(share, abs=0.15)
 
 
 def unmoved(text: str, asked: int):
