@@ -208,7 +208,7 @@ def test_conditional_limit_yield_is_not_linearised():
 def test_share_of_trucks_at_stop_is_near_that_of_trucks_solved_one_by_one():
     """What the stop takes from the setting is taken from each truck: 30 of them solved in full.
 
-    Six settings of two trucks were so compared: five shares differ by 0.09 at most, one by 0.19.
+    Five settings of two trucks were so compared: four shares differ by 0.09 at most, one by 0.19.
     """
     application = reader.read(EXAMPLES / "medium-truck-4x2.yaml")
     trucks = ToleranceModel.from_application(application, "main")
